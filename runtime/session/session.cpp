@@ -1,0 +1,352 @@
+#include "runtime/session/session.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <fstream>
+#include <sstream>
+
+#include "base/error.hpp"
+#include "base/suggest.hpp"
+#include "runtime/session/session_table.hpp"
+
+namespace brace {
+
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+std::filesystem::path absolute_from(const std::filesystem::path& folder, const std::string& path) {
+  const std::filesystem::path given(path);
+  return (given.is_absolute() ? given : folder / given).lexically_normal();
+}
+
+Session::Device read_device(const SessionTable& table) {
+  Session::Device device;
+  device.profile = table.text("device.profile");
+  device.resolution_scale = table.number_in("device.resolution_scale", 0.01, 4.0);
+  device.render_target = table.choice("device.render_target");
+  device.lens = table.choice("device.lens");
+  device.tracker = table.choice("device.tracker");
+  return device;
+}
+
+double neck_number(const SessionTable& table, const char* key, double fallback, double minimum,
+                   double maximum) {
+  const toml::node* node = table.node(std::string("trace.neck.") + key);
+  if (node == nullptr) return fallback;
+  const auto value = node->value<double>();
+  if (value && *value >= minimum && *value <= maximum) return *value;
+  throw input_error("{}: 'trace.neck.{}' wants a number from {} to {}", place_of(*node, table.file()), key,
+                    minimum, maximum);
+}
+
+Session::Trace::Neck read_neck(const SessionTable& table) {
+  static const std::vector<std::string> motions = {"rotation", "translation", "natural", "still", "spin"};
+  const toml::table& neck_table = *table.node("trace.neck")->as_table();
+  reject_unknown_keys(neck_table, table.file(), "trace.neck",
+                      {"motion", "degrees", "metres", "seconds", "seed"});
+  Session::Trace::Neck neck;
+  neck.motion = neck_table["motion"].value_or(std::string());
+  if (std::find(motions.begin(), motions.end(), neck.motion) == motions.end()) {
+    throw input_error("{}: 'trace.neck.motion' is '{}'{}; accepted: {}", place_of(neck_table, table.file()),
+                      neck.motion, did_you_mean(neck.motion, motions), join(motions));
+  }
+  neck.degrees = neck_number(table, "degrees", 60.0, -36000.0, 36000.0);
+  neck.metres = neck_number(table, "metres", 0.3, -100.0, 100.0);
+  neck.seconds = neck_number(table, "seconds", 1.0, 0.001, 1e6);
+  neck.seed = static_cast<std::uint64_t>(neck_number(table, "seed", 1.0, 0.0, 9e15));
+  return neck;
+}
+
+Session::Trace read_trace(const SessionTable& table, const std::filesystem::path& folder) {
+  Session::Trace trace;
+  const auto file = table.optional_text("trace.file");
+  const bool generated = table.node("trace.neck") != nullptr;
+  if (file && generated) table.fail("trace.neck", "stands beside 'trace.file'; accepted: one of the two");
+  if (!file && !generated) {
+    throw input_error("{}: no head motion: accepted: 'trace.file' or 'trace.neck'", table.file());
+  }
+  if (file) trace.file = absolute_from(folder, *file);
+  if (generated) trace.neck = read_neck(table);
+  trace.interpolation = table.choice("trace.interpolation");
+  trace.strict = table.flag("trace.strict");
+  trace.loop = table.flag("trace.loop");
+  trace.start_s = table.number_in("trace.start_s", 0.0, 1e9);
+  return trace;
+}
+
+void check_position(const SessionTable& table, const std::string& position) {
+  const bool front = position.rfind("front:", 0) == 0;
+  std::istringstream stream(front ? position.substr(6) : position);
+  double value = 0.0;
+  char comma = 0;
+  const int wanted = front ? 1 : 3;
+  int found = 0;
+  while (found < wanted && stream >> value && std::isfinite(value)) {
+    ++found;
+    if (found < wanted && !(stream >> comma && comma == ',')) break;
+  }
+  std::string rest;
+  if (found != wanted || stream >> rest) {
+    table.fail("scene.position", fmt::format("is '{}'; accepted: front:D or x,y,z in metres", position));
+  }
+}
+
+Session::Scene read_scene(const SessionTable& table, const std::filesystem::path& folder) {
+  Session::Scene scene;
+  scene.volume = table.text("scene.volume");
+  if (scene.volume.rfind("generator:", 0) != 0) scene.volume = absolute_from(folder, scene.volume).string();
+  scene.transfer_function = table.text("scene.transfer_function");
+  const bool is_path = scene.transfer_function.find_first_of("/.") != std::string::npos;
+  if (is_path) scene.transfer_function = absolute_from(folder, scene.transfer_function).string();
+  scene.shading = table.choice("scene.shading");
+  scene.size_m = table.number_in("scene.size_m", 1e-6, 1e6);
+  scene.position = table.text("scene.position");
+  check_position(table, scene.position);
+  scene.up = table.choice("scene.up");
+  scene.front = table.choice("scene.front");
+  if (scene.up[1] == scene.front[1])
+    table.fail("scene.front", "is the axis that 'scene.up' names; take another");
+  scene.window = table.optional_number("scene.window");
+  if (scene.window && !(*scene.window > 0.0)) table.fail("scene.window", "wants a width above 0");
+  scene.level = table.optional_number("scene.level");
+  if (table.node("scene.table_entries") != nullptr) {
+    scene.table_entries = static_cast<int>(table.number_in("scene.table_entries", 256, 4096));
+  }
+  scene.nan = table.choice("scene.nan");
+  scene.data_path = table.choice("scene.data_path");
+  return scene;
+}
+
+std::vector<Session::Clock::ScriptedSegment> read_script(const SessionTable& table) {
+  std::vector<Session::Clock::ScriptedSegment> script;
+  const toml::node* node = table.node("clock.script");
+  if (node == nullptr) return script;
+  for (const auto& entry : *node->as_array()) {
+    const toml::table& segment = *entry.as_table();
+    reject_unknown_keys(segment, table.file(), "clock.script", {"from_s", "cast_ms", "warp_ms"});
+    const auto number = [&](const char* key) {
+      const auto value = segment[key].value<double>();
+      if (value && *value >= 0.0 && *value < kInfinity) return *value;
+      throw input_error("{}: a segment of 'clock.script' wants {} as a number from 0",
+                        place_of(entry, table.file()), key);
+    };
+    script.push_back({number("from_s"), number("cast_ms"), number("warp_ms")});
+    if (script.size() > 1 && script.back().from_s <= script[script.size() - 2].from_s) {
+      throw input_error("{}: segments of 'clock.script' are written in rising from_s",
+                        place_of(entry, table.file()));
+    }
+  }
+  return script;
+}
+
+void check_cost(const SessionTable& table, std::string& cost, const std::filesystem::path& folder) {
+  if (cost == "measured" || cost == "scripted") return;
+  if (cost.rfind("model:", 0) == 0 && cost.size() > 6) return;
+  if (cost.rfind("recorded:", 0) == 0 && cost.size() > 9) {
+    cost = "recorded:" + absolute_from(folder, cost.substr(9)).string();
+    return;
+  }
+  table.fail("clock.cost",
+             fmt::format("is '{}'; accepted: model:NAME, measured, recorded:DIR, scripted", cost));
+}
+
+Session::Clock read_clock(const SessionTable& table, const std::filesystem::path& folder) {
+  Session::Clock clock;
+  table.choice("clock.mode");
+  clock.queue = table.choice("clock.queue");
+  clock.cost = table.text("clock.cost");
+  check_cost(table, clock.cost, folder);
+  clock.cost_resolution = table.choice("clock.cost_resolution");
+  clock.cost_scale = table.number_in("clock.cost_scale", 1e-6, 1e6);
+  if (table.node("clock.warp_lead_ms") != nullptr) {
+    clock.warp_lead_ms = table.number_in("clock.warp_lead_ms", 0.0, 1000.0);
+  }
+  clock.preempt_granularity_us = table.number_in("clock.preempt_granularity_us", 0.0, 1e6);
+  clock.switch_cost_us = table.number_in("clock.switch_cost_us", 0.0, 1e6);
+  clock.script = read_script(table);
+  if (clock.cost == "scripted" && clock.script.empty()) {
+    table.fail("clock.cost", "is 'scripted' but there is no [[clock.script]] segment");
+  }
+  return clock;
+}
+
+Session::Output::Selection read_selection(const SessionTable& table, const char* key) {
+  using Kind = Session::Output::Selection::Kind;
+  const std::string text = table.text(key);
+  const auto wrong = [&]() {
+    table.fail(key, fmt::format("is '{}'; accepted: every:N, list:A,B,…, ends, none", text));
+  };
+  const auto number = [&](const std::string& digits) {
+    std::int64_t value = -1;
+    const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
+    if (error != std::errc() || end != digits.data() + digits.size() || value < 0) wrong();
+    return value;
+  };
+  Session::Output::Selection selection;
+  if (text == "none") return selection;
+  if (text == "ends") {
+    selection.kind = Kind::ends;
+  } else if (text.rfind("every:", 0) == 0) {
+    selection.kind = Kind::every;
+    selection.every = number(text.substr(6));
+    if (selection.every == 0) wrong();
+  } else if (text.rfind("list:", 0) == 0) {
+    selection.kind = Kind::list;
+    std::istringstream stream(text.substr(5));
+    for (std::string part; std::getline(stream, part, ',');)
+      selection.list.push_back(number(part));
+    if (selection.list.empty()) wrong();
+    std::sort(selection.list.begin(), selection.list.end());
+  } else {
+    wrong();
+  }
+  return selection;
+}
+
+/// The parameters of a stage from [stage."name"] or [stage."family/name"], defaults where there are none.
+std::vector<double> stage_values(const SessionTable& table, const StageInfo& stage) {
+  std::vector<double> values;
+  for (const StageParameter& parameter : stage.parameters)
+    values.push_back(parameter.default_value);
+  const toml::table* all = table.node("stage") == nullptr ? nullptr : table.node("stage")->as_table();
+  if (all == nullptr) return values;
+  for (const std::string& name : {stage.name, stage.id()}) {
+    const toml::node* node = all->get(name);
+    if (node == nullptr) continue;
+    if (!node->is_table())
+      throw input_error("{}: [stage.\"{}\"] is a table", place_of(*node, table.file()), name);
+    std::vector<std::string> known;
+    for (const StageParameter& parameter : stage.parameters)
+      known.push_back(parameter.name);
+    reject_unknown_keys(*node->as_table(), table.file(), "stage." + name, known);
+    for (std::size_t i = 0; i < stage.parameters.size(); ++i) {
+      const StageParameter& parameter = stage.parameters[i];
+      const toml::node* given = node->as_table()->get(parameter.name);
+      if (given == nullptr) continue;
+      const std::string place = place_of(*given, table.file());
+      if (parameter.type == ParameterType::choice) {
+        const std::string text = given->value_or(std::string());
+        const auto at = std::find(parameter.choices.begin(), parameter.choices.end(), text);
+        if (at == parameter.choices.end()) {
+          throw input_error("{}: {} of stage {} is '{}'{}; accepted: {}", place, parameter.name, stage.id(),
+                            text, did_you_mean(text, parameter.choices), join(parameter.choices));
+        }
+        values[i] = static_cast<double>(at - parameter.choices.begin());
+        continue;
+      }
+      if (!(given->is_number() || (given->is_boolean() && parameter.type == ParameterType::boolean))) {
+        throw input_error("{}: {} of stage {} wants a {}", place, parameter.name, stage.id(),
+                          parameter.type == ParameterType::boolean ? "true or false" : "number");
+      }
+      values[i] = given->is_boolean() ? (given->value_or(false) ? 1.0 : 0.0)
+                                      : given->value<double>().value_or(std::nan(""));
+      check_parameter_value(stage, parameter, values[i], place);
+    }
+  }
+  return values;
+}
+
+std::map<std::string, PipelineStage> read_pipeline(const SessionTable& table, const StageRegistry& stages) {
+  std::map<std::string, PipelineStage> pipeline;
+  std::vector<std::string> used;
+  for (const std::string& family : stage_families()) {
+    if (family == "cost") continue;  // named by clock.cost
+    const std::string key = "pipeline." + family;
+    const StageInfo& stage = stages.find(family, table.text(key), table.place(key) + ": '" + key + "'");
+    pipeline[family] = {stage, stage_values(table, stage)};
+    used.push_back(stage.name);
+    used.push_back(stage.id());
+  }
+  const toml::node* settings = table.node("stage");
+  if (settings == nullptr) return pipeline;
+  for (const auto& [name, node] : *settings->as_table()) {
+    const std::string stage(name.str());
+    if (std::find(used.begin(), used.end(), stage) != used.end()) continue;
+    std::vector<std::string> known;
+    for (const StageInfo& info : stages.stages())
+      known.push_back(info.name), known.push_back(info.id());
+    // Settings of a stage that this pipeline leaves out are fine: sessions switch stages with --set.
+    if (std::find(known.begin(), known.end(), stage) != known.end()) continue;
+    throw input_error("{}: [stage.\"{}\"] names no stage{}; used here: {}", place_of(node, table.file()),
+                      stage, did_you_mean(stage, known), join(used));
+  }
+  return pipeline;
+}
+
+std::optional<Session::Compare> read_compare(const SessionTable& table) {
+  const auto key = table.optional_text("compare.key");
+  const toml::node* values = table.node("compare.values");
+  if (!key && values == nullptr) return std::nullopt;
+  if (!key || values == nullptr)
+    throw input_error("{}: [compare] wants both 'key' and 'values'", table.file());
+  Session::Compare compare{*key, {}};
+  for (const auto& value : *values->as_array()) {
+    std::ostringstream text;
+    value.visit([&](const auto& concrete) { text << concrete; });
+    const auto plain = value.value<std::string>();
+    compare.values.push_back(plain ? *plain : text.str());
+  }
+  if (compare.values.size() < 2) table.fail("compare.values", "wants at least two values");
+  return compare;
+}
+
+void write_absolute_paths(SessionTable& table, const Session& session) {
+  const auto put = [&](const char* section, const char* key, const std::string& value) {
+    table.table()[section].as_table()->insert_or_assign(key, value);
+  };
+  if (!session.trace.file.empty()) put("trace", "file", session.trace.file.string());
+  put("scene", "volume", session.scene.volume);
+  put("scene", "transfer_function", session.scene.transfer_function);
+  put("clock", "cost", session.clock.cost);
+}
+
+}  // namespace
+
+Session parse_session(const std::string& text, const std::string& file_name,
+                      const std::filesystem::path& folder, const Overrides& overrides,
+                      const StageRegistry& stages) {
+  SessionTable table(parse_toml(text, file_name), file_name);
+  for (const auto& [key, value] : overrides)
+    table.set(key, value);
+  table.check_and_complete();
+
+  Session session;
+  session.file = file_name;
+  session.name = std::filesystem::path(file_name).stem().string();
+  session.device = read_device(table);
+  session.trace = read_trace(table, folder);
+  session.scene = read_scene(table, folder);
+  session.clock = read_clock(table, folder);
+  session.pipeline = read_pipeline(table, stages);
+  session.output.images = read_selection(table, "output.images");
+  session.output.error = read_selection(table, "output.error");
+  if (table.node("run.frames") != nullptr) {
+    session.run.frames = static_cast<std::int64_t>(table.number_in("run.frames", 1, 1e12));
+  }
+  session.run.seed = static_cast<std::uint64_t>(table.number_in("run.seed", 0, 9.3e18));
+  session.compare = read_compare(table);
+
+  write_absolute_paths(table, session);
+  std::ostringstream resolved;
+  resolved << table.table() << "\n";
+  session.resolved_toml = resolved.str();
+  return session;
+}
+
+Session read_session(const std::filesystem::path& file, const Overrides& overrides,
+                     const StageRegistry& stages) {
+  std::error_code ignored;
+  if (std::filesystem::is_directory(file, ignored)) {
+    throw input_error("{}: is a folder; a session is a TOML file", file.string());
+  }
+  std::ifstream stream(file, std::ios::binary);
+  if (!stream) throw input_error("{}: cannot be opened: no such session file", file.string());
+  std::ostringstream text;
+  text << stream.rdbuf();
+  const std::filesystem::path folder = std::filesystem::absolute(file).parent_path();
+  return parse_session(text.str(), file.string(), folder, overrides, stages);
+}
+
+}  // namespace brace
