@@ -8,27 +8,32 @@
 
 namespace brace {
 
+/// Slots of the ray-casting swap-chain: one in front, read by warps, and one being cast.
+inline constexpr int frame_slots = 2;
+
 /// An eye frame asked of the raycaster: both eyes, seen from one predicted head pose, into a swap-chain slot.
 struct CastRequest {
   std::int64_t frame = 0;
   int slot = 0;  // 0 .. frame_slots - 1
   Pose world_from_head;
   SimTime start;
+  double quality = 1.0;  // 0 < quality <= 1, from the control stage: fraction of the full ray count
 };
 
-/// One display image: the newest finished eye frame, re-projected to the newest pose and distorted.
+/// One display image: the newest finished eye frame, re-projected to the newest pose and distorted. At most
+/// one image waits for its vsync: the next warp comes only after this one was shown.
 struct WarpRequest {
   std::int64_t vsync_index = 0;
   std::int64_t frame = 0;
   int slot = 0;
   Pose render_world_from_head;
-  Pose warp_world_from_head;
+  Pose warp_world_from_head;  // the render pose if the warp stage uses no pose
 };
 
-/// A vsync whose photons are out: what was shown, and where the head truly was at photon time.
+/// A vsync with its photons: what was shown, and where the head truly is at photon time.
 struct ShowRequest {
   std::int64_t vsync_index = 0;
-  bool image_is_new = false;  // false: the panel repeats the last image
+  bool image_is_new = false;  // true: the image of the last warp; false: the panel repeats what it has
   Pose true_world_from_head;
 };
 
@@ -44,12 +49,14 @@ struct ShowOutcome {
 };
 
 /// The pixels behind the frame loop. Two implementations: the Vulkan renderer, and counted work without
-/// pixels for pacing-only replays. Calls come in simulated-time order on one thread.
+/// pixels for pacing-only replays. Calls come in simulated-time order on one thread. A warp may come before
+/// the cast that was asked for before it has ended in simulated time; it then names the other slot.
 class FrameWork {
  public:
   virtual ~FrameWork() = default;
   virtual JobOutcome cast(const CastRequest& request) = 0;
   virtual JobOutcome warp(const WarpRequest& request) = 0;
+  /// Called for every vsync from the first image on, in order. Not called before there is an image.
   virtual ShowOutcome show(const ShowRequest& request) = 0;
 };
 

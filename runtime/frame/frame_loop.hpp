@@ -1,0 +1,104 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "base/time.hpp"
+#include "hmd_sim/vsync.hpp"
+#include "plugins/abi/brace_stage.h"
+#include "runtime/frame/frame_work.hpp"
+#include "runtime/frame/head_motion.hpp"
+#include "runtime/frame/record_sink.hpp"
+#include "runtime/timeline/cost_source.hpp"
+#include "runtime/timeline/simulated_gpu.hpp"
+
+namespace brace {
+
+/// The display side of a headset. Build it with display_of(profile) or by hand in tests.
+struct Display {
+  sim::Rate refresh;
+  sim::ScanOut scan_out;
+  sim::Emission emission;
+  int scan_lines = 1;
+};
+
+/// What the warp stage takes from the pose latched for it; the rest comes from the eye frame's render pose.
+enum class WarpPose {
+  none,                     // warp/none: shows the eye frame as it is
+  rotation,                 // warp/quad
+  rotation_and_translation  // warps that know depth
+};
+
+/// When schedule/whole_frame starts the next eye frame.
+enum class Pace {
+  vsync,  // at the first vsync after the frame before is done, as a compositor paces an app
+  free    // at once, but not within free_frame_interval_min of the start before
+};
+
+inline constexpr SimDuration free_frame_interval_min{100'000};
+
+struct FrameLoopConfig {
+  Display display;
+  std::optional<std::int64_t> vsyncs_max;  // default: until the trace ends
+  QueueKind queue = QueueKind::single;
+  PreemptionParams preemption;
+  Pace pace = Pace::vsync;
+  WarpPose warp_pose = WarpPose::rotation;
+  /// How long before its vsync a warp latches its pose and is submitted. Default: the dearest of the last
+  /// 8 warps (before the first: a quarter of a period) + warp_margin, on a priority queue + granularity + a
+  /// switch. Never more than a period.
+  std::optional<SimDuration> warp_lead;
+  SimDuration warp_margin{500'000};
+};
+
+/// Stages the loop itself calls, through the C ABI. Not owned.
+struct PredictStage {
+  const brace_predict_functions* functions = nullptr;
+  void* self = nullptr;
+};
+struct ControlStage {  // functions == nullptr: full quality always
+  const brace_control_functions* functions = nullptr;
+  void* self = nullptr;
+};
+
+struct FrameLoopInputs {
+  HeadMotion& head;
+  PredictStage predict;
+  ControlStage control;
+  CostSource& cost;
+  FrameWork& work;
+  RecordSink& sink;
+};
+
+struct FrameLoopResult {
+  std::int64_t vsyncs = 0;
+  bool trace_ended = false;  // the trace, not vsyncs_max, ended the run
+  std::int64_t eye_frames_started = 0;
+  std::int64_t eye_frames_finished = 0;
+  std::int64_t warps = 0;
+  /// Eye frames whose pose was predicted for a vsync that an earlier frame's was predicted for. Always 0 with
+  /// Pace::vsync; with Pace::free frames faster than the display share vsyncs.
+  std::int64_t duplicate_predictions = 0;
+  std::uint64_t events = 0;  // of the timeline: host work is proportional to it
+};
+
+/// Replays a head motion: run time 0 is vsync 0.
+///
+/// Eye frames. At its start a frame takes the newest tracker readings and is cast from the pose predicted for
+/// the middle of the photons of the vsync where it is expected to be seen first: start + mean of the last 8
+/// frame durations (before the first: a period), the first vsync whose warp latches after that, and with
+/// Pace::vsync a later one than for the frame before. When the GPU has finished it, it is the front buffer.
+///
+/// Display. A lead before vsync k the warp takes the newest finished eye frame and, if it uses a pose, the
+/// newest readings, predicted for the middle of vsync k's photons. Done by the vsync, its image is scanned
+/// out; otherwise the panel repeats its image and the late one is shown at the first vsync after its end; no
+/// other warp starts before. warp/none has no job while there is no new eye frame.
+///
+/// missed: nothing new was latched at this vsync. For warps with a pose: no warp was done in time. For
+/// warp/none: the same eye frame again, too. Vsyncs before the first image (displayed_frame -1) are start-up,
+/// not missed. The run ends at the last vsync whose middle photon time the trace covers, or at vsyncs_max.
+///
+/// Throws input_error if not a single vsync fits the trace, device_error if a stage fails.
+FrameLoopResult run_frame_loop(const FrameLoopConfig& config, const FrameLoopInputs& inputs);
+
+}  // namespace brace
