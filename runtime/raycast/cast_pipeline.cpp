@@ -1,0 +1,162 @@
+#include "runtime/raycast/cast_pipeline.hpp"
+
+#include <algorithm>
+#include <array>
+
+#include "base/error.hpp"
+
+namespace brace {
+
+namespace {
+
+constexpr std::size_t kCounterRows = 64;  // BRACE_COUNTER_ROWS
+constexpr std::size_t kCounterWords = 8;  // low and high word of four counters
+
+gpu::KernelDescription describe_kernel(const CastParts& parts, const char* name,
+                                       const gpu::IncludeResolver& resolve) {
+  gpu::KernelDescription kernel;
+  kernel.main = gpu::read_glsl(parts.kernels_folder / name);
+  kernel.resolve = resolve;
+  kernel.constants = parts.constants;
+  return kernel;
+}
+
+std::uint64_t pixels(int width, int height) {
+  return static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height);
+}
+
+}  // namespace
+
+CastKernels compose_cast_kernels(const CastParts& parts, const VolumeOnDevice& volume) {
+  const auto resolve = gpu::chain_resolvers({parts.stages, gpu::directory_resolver({parts.glsl_folder})});
+  CastKernels kernels;
+  kernels.opening = describe_kernel(parts, "rays_main.comp", resolve);
+  kernels.cast = describe_kernel(parts, "cast_main.comp", resolve);
+  kernels.closing = describe_kernel(parts, "close_main.comp", resolve);
+  kernels.cast.defines = volume.defines();
+  if (parts.phong) kernels.cast.defines.emplace_back("BRACE_SHADING_PHONG", "1");
+  if (parts.counters) kernels.cast.defines.emplace_back("BRACE_COUNTERS", "1");
+  return kernels;
+}
+
+EyeTarget::EyeTarget(const gpu::Device& device, int width, int height)
+    : width_px(width),
+      height_px(height),
+      image(device, "eye image", pixels(width, height) * 4, gpu::Memory::device),
+      depth(device, "eye depth", pixels(width, height) * 4, gpu::Memory::device),
+      image_texels(device, image, gpu::Format::r32_uint),
+      depth_texels(device, depth, gpu::Format::r32_float),
+      params(device, "eye parameters", sizeof(BraceEyeParams), gpu::Memory::upload) {}
+
+RayBuffers::RayBuffers(const gpu::Device& device, int across_rays, int down_rays)
+    : across(across_rays), down(down_rays) {
+  const std::uint64_t rays = pixels(across, down);
+  const std::uint64_t bytes_max = device.limits().storage_buffer_bytes_max;
+  if (rays * 16 > bytes_max) {
+    throw device_error(
+        "{} x {} rays need {} bytes of ray buffer, but {} binds at most {}: at most {} rays, a smaller "
+        "device.resolution_scale fits",
+        across, down, rays * 16, device.info().name, bytes_max, bytes_max / 16);
+  }
+  entries = gpu::Buffer(device, "ray entries", rays * 16, gpu::Memory::device);
+  directions = gpu::Buffer(device, "ray directions", rays * 16, gpu::Memory::device);
+  colours = gpu::Buffer(device, "ray colours", rays * 16, gpu::Memory::device);
+  depths_m = gpu::Buffer(device, "ray depths", rays * 4, gpu::Memory::device);
+}
+
+CastPipeline::CastPipeline(const gpu::Device& device, const CastKernels& kernels,
+                           const gpu::CompileOptions& options)
+    : opening_(gpu::make_pipeline(device, kernels.opening, options)),
+      cast_(gpu::make_pipeline(device, kernels.cast, options)),
+      closing_(gpu::make_pipeline(device, kernels.closing, options)),
+      counters_(device, "work counters", kCounterRows * kCounterWords * 4, gpu::Memory::readback) {
+  reset_counters(device);
+}
+
+void CastPipeline::set_eye(const gpu::Device& device, const EyeTarget& target, const EyeView& eye,
+                           const VolumePlacement& placement, const VolumeOnDevice& volume,
+                           const TransferOnDevice& transfer) {
+  BRACE_CHECK(eye.width_px == target.width_px && eye.height_px == target.height_px);
+  BraceEyeParams params = eye_params(eye, volume.info(), placement);
+  volume.describe(params);
+  transfer.describe(params);
+  gpu::upload_values(device, target.params, std::span<const BraceEyeParams>(&params, 1));
+}
+
+void CastPipeline::record(gpu::CommandList& commands, const Resources& resources) const {
+  const CastArea rays{0, 0, resources.rays.across, resources.rays.down};
+  const CastArea image{0, 0, resources.target.width_px, resources.target.height_px};
+  commands.barrier();
+  commands.begin_timing("opening");
+  record_opening(commands, resources, rays);
+  commands.barrier();
+  commands.end_timing();
+  commands.begin_timing("cast");
+  record_cast(commands, resources, rays);
+  commands.barrier();
+  commands.end_timing();
+  commands.begin_timing("closing");
+  record_closing(commands, resources, image);
+  commands.barrier();
+  commands.end_timing();
+}
+
+void CastPipeline::record_opening(gpu::CommandList& commands, const Resources& resources,
+                                  const CastArea& area) const {
+  dispatch(commands, opening_, resources, area);
+}
+
+void CastPipeline::record_cast(gpu::CommandList& commands, const Resources& resources,
+                               const CastArea& area) const {
+  dispatch(commands, cast_, resources, area);
+}
+
+void CastPipeline::record_closing(gpu::CommandList& commands, const Resources& resources,
+                                  const CastArea& area) const {
+  dispatch(commands, closing_, resources, area);
+}
+
+void CastPipeline::dispatch(gpu::CommandList& commands, const gpu::ComputePipeline& pipeline,
+                            const Resources& resources, const CastArea& area) const {
+  if (area.width < 1 || area.height < 1) return;
+  constexpr std::size_t own = 10;
+  std::array<gpu::Binding, 32> bindings;
+  BRACE_CHECK(own + resources.more.size() <= bindings.size());
+  bindings[0] = gpu::bind(CastSlot::eye, resources.target.params);
+  bindings[1] = gpu::bind(CastSlot::ray_entry, resources.rays.entries);
+  bindings[2] = gpu::bind(CastSlot::ray_direction, resources.rays.directions);
+  bindings[3] = gpu::bind(CastSlot::result_colour, resources.rays.colours);
+  bindings[4] = gpu::bind(CastSlot::result_depth, resources.rays.depths_m);
+  bindings[5] = resources.volume.binding(CastSlot::volume);
+  bindings[6] = resources.transfer.binding(CastSlot::transfer);
+  bindings[7] = gpu::bind(CastSlot::counters, counters_);
+  bindings[8] = gpu::bind(CastSlot::eye_image, resources.target.image);
+  bindings[9] = gpu::bind(CastSlot::eye_depth, resources.target.depth);
+  std::copy(resources.more.begin(), resources.more.end(), bindings.begin() + own);
+  const BraceArea params{{static_cast<std::uint32_t>(area.x), static_cast<std::uint32_t>(area.y)},
+                         {static_cast<std::uint32_t>(area.width), static_cast<std::uint32_t>(area.height)}};
+  commands.dispatch(pipeline, std::span<const gpu::Binding>(bindings.data(), own + resources.more.size()),
+                    gpu::push_bytes(params), pipeline.groups_for(area.width, area.height));
+}
+
+WorkCounts CastPipeline::counted(const gpu::Device& device) const {
+  std::array<std::uint32_t, kCounterRows * kCounterWords> words{};
+  gpu::download_values(device, counters_, std::span<std::uint32_t>(words));
+  std::array<std::uint64_t, 4> sums{};
+  for (std::size_t i = 0; i < words.size(); i += 2) {
+    sums[i / 2 % 4] += words[i] | static_cast<std::uint64_t>(words[i + 1]) << 32;
+  }
+  WorkCounts counts;
+  counts.rays = sums[0];
+  counts.samples = sums[1];
+  counts.skip_steps = sums[2];
+  counts.shading_fetches = sums[3];
+  return counts;
+}
+
+void CastPipeline::reset_counters(const gpu::Device& device) const {
+  const std::array<std::uint32_t, kCounterRows * kCounterWords> zero{};
+  gpu::upload_values(device, counters_, std::span<const std::uint32_t>(zero));
+}
+
+}  // namespace brace

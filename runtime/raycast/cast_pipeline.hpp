@@ -1,0 +1,115 @@
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <span>
+#include <vector>
+
+#include "runtime/gpu/commands.hpp"
+#include "runtime/gpu/pipeline.hpp"
+#include "runtime/metrics/frame_record.hpp"
+#include "runtime/raycast/eye_view.hpp"
+#include "runtime/raycast/transfer_on_device.hpp"
+#include "runtime/raycast/volume_on_device.hpp"
+
+namespace brace {
+
+/// Binding slots of the kernels; brace/frame.glsl is the same list.
+struct CastSlot {
+  static constexpr std::uint32_t eye = 0, ray_entry = 1, ray_direction = 2, result_colour = 3,
+                                 result_depth = 4, volume = 5, transfer = 6, counters = 7, eye_image = 8,
+                                 eye_depth = 9;
+};
+
+/// What cast kernels are put together from.
+struct CastParts {
+  std::filesystem::path glsl_folder;     // with brace/*.glsl
+  std::filesystem::path kernels_folder;  // with *_main.comp
+  /// Answers stage/parameters.glsl (the parameters of all stages as specialisation constants) and the stages'
+  /// snippets stage/rays.glsl, stage/cast.glsl, stage/skip.glsl, stage/stereo.glsl. A stage that has nothing
+  /// for the cast kernel is an empty text.
+  gpu::IncludeResolver stages;
+  std::vector<gpu::SpecConstant> constants;  // values of the parameters
+  bool phong = false;                        // otherwise no gradient is in the kernel
+  bool counters = false;                     // count rays, samples, skip steps and shading fetches
+};
+
+struct CastKernels {
+  gpu::KernelDescription opening, cast, closing;
+};
+
+CastKernels compose_cast_kernels(const CastParts& parts, const VolumeOnDevice& volume);
+
+/// The picture of one eye in one eye-frame slot.
+struct EyeTarget {
+  EyeTarget() = default;
+  EyeTarget(const gpu::Device& device, int width_px, int height_px);
+
+  int width_px = 0, height_px = 0;
+  gpu::Buffer image;  // a uint per pixel, rows top to bottom: premultiplied RGBA8, r lowest
+  gpu::Buffer depth;  // a float per pixel: metres from the eye to the first visible sample, or +inf
+  gpu::TexelBuffer image_texels;  // R32_UINT
+  gpu::TexelBuffer depth_texels;  // R32_SFLOAT
+  gpu::Buffer params;             // BraceEyeParams
+};
+
+/// The rays of one eye and what became of them: scratch, shared by all eyes and slots. A ray is two vec4
+/// (entry in voxel coordinates and length in units; direction in voxels per unit and level), a result is a
+/// premultiplied rgba32f colour and a depth in metres.
+struct RayBuffers {
+  RayBuffers() = default;
+  /// Throws device_error when a buffer would be larger than what the device binds (lavapipe: 8 million rays).
+  RayBuffers(const gpu::Device& device, int across, int down);
+
+  int across = 0, down = 0;
+  gpu::Buffer entries, directions, colours, depths_m;
+};
+
+/// A rectangle of the ray grid.
+struct CastArea {
+  int x = 0, y = 0, width = 0, height = 0;
+};
+
+/// Opening brace, ray casting and closing brace. The device must outlive it.
+class CastPipeline {
+ public:
+  CastPipeline() = default;
+  CastPipeline(const gpu::Device& device, const CastKernels& kernels,
+               const gpu::CompileOptions& options = {});
+
+  /// Sets where the eye is; what `commands` recorded before reads it too, so nothing may be in flight.
+  static void set_eye(const gpu::Device& device, const EyeTarget& target, const EyeView& eye,
+                      const VolumePlacement& placement, const VolumeOnDevice& volume,
+                      const TransferOnDevice& transfer);
+
+  /// Everything that the kernels read and write, beside the bindings of other stages.
+  struct Resources {
+    const VolumeOnDevice& volume;
+    const TransferOnDevice& transfer;
+    const RayBuffers& rays;
+    const EyeTarget& target;
+    std::span<const gpu::Binding> more = {};  // skip maps, layers, …
+  };
+
+  /// Records one eye whole, with the timings "opening", "cast" and "closing" and barriers around each.
+  void record(gpu::CommandList& commands, const Resources& resources) const;
+
+  /// The three parts by themselves, without barriers or timings; `area` in rays, or in pixels for the
+  /// closing.
+  void record_opening(gpu::CommandList& commands, const Resources& resources, const CastArea& area) const;
+  void record_cast(gpu::CommandList& commands, const Resources& resources, const CastArea& area) const;
+  void record_closing(gpu::CommandList& commands, const Resources& resources, const CastArea& area) const;
+
+  /// Sum of the work counted since the last reset; zero without CastParts::counters. After the work is done.
+  WorkCounts counted(const gpu::Device& device) const;
+  void reset_counters(const gpu::Device& device) const;
+
+ private:
+  void dispatch(gpu::CommandList& commands, const gpu::ComputePipeline& pipeline, const Resources& resources,
+                const CastArea& area) const;
+
+  gpu::ComputePipeline opening_, cast_, closing_;
+  gpu::Buffer counters_;
+};
+
+}  // namespace brace

@@ -1,0 +1,204 @@
+#include "runtime/raycast/volume_on_device.hpp"
+
+#include <algorithm>
+#include <cstring>
+
+#include "base/error.hpp"
+#include "runtime/raycast/packed_layout.hpp"
+
+namespace brace {
+
+namespace {
+
+constexpr std::size_t kSlabBytes = std::size_t{16} << 20;
+
+gpu::Format image_format(VoxelType type) {
+  switch (type) {
+    case VoxelType::uint8:
+      return gpu::Format::r8_unorm;
+    case VoxelType::int16:
+    case VoxelType::uint16:
+      return gpu::Format::r16_unorm;
+    case VoxelType::float32:
+      return gpu::Format::r32_float;
+  }
+  return gpu::Format::r8_unorm;
+}
+
+/// int16 lies on the device as value + 32768, as there is no filterable signed format that keeps -32768.
+void bias_signed(std::span<std::byte> voxels) {
+  for (std::size_t i = 1; i < voxels.size(); i += 2)
+    voxels[i] ^= std::byte{0x80};  // high byte, little endian
+}
+
+/// Why the sampler path cannot take the volume; "" if it can.
+std::string sampler_obstacle(const VolumeInfo& volume, const gpu::DeviceLimits& limits) {
+  const int longest = *std::max_element(volume.dims.begin(), volume.dims.end());
+  if (static_cast<std::uint32_t>(longest) > limits.image_3d_px_max) {
+    return fmt::format("an edge of {} voxels is over the device's {} for 3D images", longest,
+                       limits.image_3d_px_max);
+  }
+  if (volume.byte_count() > limits.allocation_bytes_max) {
+    return fmt::format("{} bytes are over the {} the device gives in one allocation", volume.byte_count(),
+                       limits.allocation_bytes_max);
+  }
+  return "";
+}
+
+/// Why the packed path cannot take the volume; "" if it can.
+std::string packed_obstacle(const VolumeInfo& volume, const gpu::DeviceLimits& limits) {
+  const PackedLayout layout(volume);
+  if (layout.texels() > limits.texel_buffer_texels_max) {
+    return fmt::format("{} packed texels are over the device's {}", layout.texels(),
+                       limits.texel_buffer_texels_max);
+  }
+  if (layout.bytes() > limits.allocation_bytes_max) {
+    return fmt::format("{} packed bytes are over the {} the device gives in one allocation", layout.bytes(),
+                       limits.allocation_bytes_max);
+  }
+  return "";
+}
+
+/// The promise is a peak of 1.3 x the volume + 300 MB; 100 MB of these are for the program itself.
+bool packed_is_too_much_memory(const VolumeInfo& volume) {
+  const double spare_bytes = 200e6;
+  return static_cast<double>(PackedLayout(volume).bytes()) >
+         1.3 * static_cast<double>(volume.byte_count()) + spare_bytes;
+}
+
+VolumePathChoice choose_automatically(const VolumeInfo& volume, const gpu::DeviceLimits& limits) {
+  const std::string no_sampler = sampler_obstacle(volume, limits);
+  const std::string no_packed = packed_obstacle(volume, limits);
+  if (!no_sampler.empty() && !no_packed.empty()) {
+    throw device_error("{}: the volume does not fit the device: as an image {}; as a texel buffer {}",
+                       volume.source, no_sampler, no_packed);
+  }
+  if (!no_sampler.empty()) return {VolumePath::packed, "packed: " + no_sampler};
+  if (!limits.is_software) return {VolumePath::sampler, "sampler: the device filters 3D images in hardware"};
+  if (!no_packed.empty()) return {VolumePath::sampler, "sampler: " + no_packed};
+  if (packed_is_too_much_memory(volume)) {
+    return {VolumePath::sampler,
+            fmt::format("sampler: packing would take {} MB of memory for a volume of {} MB",
+                        PackedLayout(volume).bytes() / 1000000, volume.byte_count() / 1000000)};
+  }
+  return {VolumePath::packed,
+          "packed: a software device gathers 32-bit texels faster than it filters images"};
+}
+
+}  // namespace
+
+const char* to_string(VolumePath path) {
+  switch (path) {
+    case VolumePath::automatic:
+      return "auto";
+    case VolumePath::sampler:
+      return "sampler";
+    case VolumePath::packed:
+      return "packed";
+  }
+  return "?";
+}
+
+VolumePath parse_volume_path(const std::string& text) {
+  for (const VolumePath path : {VolumePath::automatic, VolumePath::sampler, VolumePath::packed}) {
+    if (text == to_string(path)) return path;
+  }
+  throw input_error("'{}' is not a data path; accepted: auto, sampler, packed", text);
+}
+
+VolumePathChoice choose_volume_path(const VolumeInfo& volume, const gpu::DeviceLimits& limits,
+                                    VolumePath wanted) {
+  if (wanted == VolumePath::automatic) return choose_automatically(volume, limits);
+  const std::string obstacle =
+      wanted == VolumePath::sampler ? sampler_obstacle(volume, limits) : packed_obstacle(volume, limits);
+  if (!obstacle.empty())
+    throw device_error("{}: data path '{}': {}", volume.source, to_string(wanted), obstacle);
+  return {wanted, fmt::format("{}: asked for", to_string(wanted))};
+}
+
+VolumeOnDevice::VolumeOnDevice(const gpu::Device& device, VolumeSource& source, VolumePath wanted,
+                               VoxelScan* scan, const Progress& progress)
+    : info_(source.info()), choice_(choose_volume_path(info_, device.limits(), wanted)) {
+  if (choice_.path == VolumePath::packed) {
+    stream_packed(device, source, scan, progress);
+  } else {
+    stream_to_image(device, source, scan, progress);
+  }
+}
+
+void VolumeOnDevice::stream_to_image(const gpu::Device& device, VolumeSource& source, VoxelScan* scan,
+                                     const Progress& progress) {
+  image_ =
+      gpu::Image3D(device, "volume", {info_.dims[0], info_.dims[1], info_.dims[2]}, image_format(info_.type));
+  sampler_ = gpu::Sampler(device, "volume", gpu::Filter::linear, gpu::Address::clamp_to_edge);
+  device_bytes_ = info_.byte_count();
+  const int slices_max = slab_slices(info_, kSlabBytes);
+  std::vector<std::byte> slab;
+  for (int z = 0; z < info_.dims[2];) {
+    const int slices = std::min(slices_max, info_.dims[2] - z);
+    slab.resize(static_cast<std::size_t>(slices) * info_.slice_bytes());
+    source.read_slab(slab, z, slices);
+    if (scan != nullptr) scan->add(slab);
+    if (info_.type == VoxelType::int16) bias_signed(slab);
+    gpu::upload(device, image_, slab, z);
+    z += slices;
+    if (progress) progress(static_cast<double>(z) / info_.dims[2]);
+  }
+}
+
+void VolumeOnDevice::stream_packed(const gpu::Device& device, VolumeSource& source, VoxelScan* scan,
+                                   const Progress& progress) {
+  const PackedLayout layout(info_);
+  device_bytes_ = layout.bytes();
+  buffer_ = gpu::Buffer(device, "volume", layout.bytes(), gpu::Memory::device);
+  const auto format = info_.type == VoxelType::float32 ? gpu::Format::r32_float : gpu::Format::r32_uint;
+  texels_ = gpu::TexelBuffer(device, buffer_, format);
+  std::vector<std::byte> slice(info_.slice_bytes());
+  std::vector<std::uint32_t> packed(layout.slice_texels);
+  for (int z = 0; z < info_.dims[2]; ++z) {
+    source.read_slab(slice, z, 1);
+    if (scan != nullptr) scan->add(slice);
+    if (info_.type == VoxelType::int16) bias_signed(slice);
+    pack_slice(layout, slice, packed);
+    const auto bytes = std::as_bytes(std::span(packed));
+    // Slice z lies at z + 1; the apron repeats the first and the last one.
+    const auto put = [&](int at) {
+      gpu::upload(device, buffer_, bytes, static_cast<std::uint64_t>(at) * bytes.size());
+    };
+    put(z + 1);
+    if (z == 0) put(0);
+    if (z + 1 == info_.dims[2]) put(z + 2);
+    if (progress) progress(static_cast<double>(z + 1) / info_.dims[2]);
+  }
+}
+
+std::vector<std::pair<std::string, std::string>> VolumeOnDevice::defines() const {
+  if (choice_.path == VolumePath::sampler) return {};
+  switch (info_.type) {
+    case VoxelType::uint8:
+      return {{"BRACE_VOLUME_PACKED_8", "1"}};
+    case VoxelType::int16:
+    case VoxelType::uint16:
+      return {{"BRACE_VOLUME_PACKED_16", "1"}};
+    case VoxelType::float32:
+      return {{"BRACE_VOLUME_TEXELS_32", "1"}};
+  }
+  return {};
+}
+
+gpu::Binding VolumeOnDevice::binding(std::uint32_t slot) const {
+  return choice_.path == VolumePath::sampler ? gpu::bind(slot, image_, sampler_) : gpu::bind(slot, texels_);
+}
+
+void VolumeOnDevice::describe(BraceEyeParams& params) const {
+  const bool is_normalised = choice_.path == VolumePath::sampler && info_.type != VoxelType::float32;
+  const float full_scale = info_.type == VoxelType::uint8 ? 255.0f : 65535.0f;
+  params.value[0] = is_normalised ? full_scale : 1.0f;
+  params.value[1] = info_.type == VoxelType::int16 ? -32768.0f : 0.0f;
+  if (choice_.path != VolumePath::packed) return;
+  const PackedLayout layout(info_);
+  params.texel_grid[0] = layout.row_texels;
+  params.texel_grid[1] = static_cast<std::uint32_t>(layout.slice_texels);
+}
+
+}  // namespace brace

@@ -1,0 +1,1 @@
+// No empty-space skipping: every sample of the lattice is taken (brace/skip.glsl).

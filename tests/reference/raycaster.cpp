@@ -1,0 +1,141 @@
+#include "tests/reference/raycaster.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <glm/geometric.hpp>
+
+#include "tests/reference/integrate.hpp"
+
+namespace brace::reference {
+
+namespace {
+
+constexpr double kFlat = 1e-3;  // BRACE_SHADE_FLAT of brace/shade.glsl
+
+glm::dvec3 spacing_in_units(const VolumeInfo& volume) {
+  return glm::dvec3(volume.spacing[0], volume.spacing[1], volume.spacing[2]) / voxel_length(volume);
+}
+
+double voxel_at(const Volume& volume, int x, int y, int z) {
+  const auto& dims = volume.info.dims;
+  return voxel_value(volume, std::clamp(x, 0, dims[0] - 1), std::clamp(y, 0, dims[1] - 1),
+                     std::clamp(z, 0, dims[2] - 1));
+}
+
+glm::dvec3 shade(const Volume& volume, const TransferTable& table, const Ray& ray, const glm::dvec3& voxel,
+                 const glm::dvec3& colour, const Phong& phong) {
+  const glm::dvec3 gradient = gradient_at(volume, voxel) / (table.range.max - table.range.min);
+  const glm::dvec3 view = glm::normalize(ray.direction * spacing_in_units(volume.info));
+  const double size = glm::length(gradient);
+  const double facing = std::min((std::abs(glm::dot(gradient, view)) + kFlat) / (size + kFlat), 1.0);
+  const double glint = phong.specular * std::pow(facing, phong.shininess) * size / (size + kFlat);
+  return glm::min(colour * (phong.ambient + phong.diffuse * facing) + glint, glm::dvec3(1.0));
+}
+
+}  // namespace
+
+Ray ray_through_pixel(const EyeView& eye, const VolumeInfo& volume, const VolumePlacement& placement, int x,
+                      int y) {
+  const double across = (x + 0.5) / eye.width_px;
+  const double down = (y + 0.5) / eye.height_px;
+  const glm::dvec3 in_eye((1.0 - across) * eye.tan_left + across * eye.tan_right,
+                          (1.0 - down) * eye.tan_top + down * eye.tan_bottom, -1.0);
+  // In the volume's own frame, metres, the box is [-half, half].
+  const Pose volume_from_eye = compose(inverse(placement.world_from_volume), eye.world_from_eye);
+  const glm::dvec3 origin = volume_from_eye.position;
+  const glm::dvec3 direction = volume_from_eye.orientation * glm::normalize(in_eye);
+  const auto box = box_size_with_longest_edge(volume, placement.size_m);
+  double begin = 0.0;
+  double end = std::numeric_limits<double>::infinity();
+  for (int axis = 0; axis < 3; ++axis) {
+    const double half = 0.5 * box[static_cast<std::size_t>(axis)];
+    if (direction[axis] == 0.0) {
+      if (std::abs(origin[axis]) > half) return {};
+      continue;
+    }
+    const double a = (-half - origin[axis]) / direction[axis];
+    const double b = (half - origin[axis]) / direction[axis];
+    begin = std::max(begin, std::min(a, b));
+    end = std::min(end, std::max(a, b));
+  }
+  if (end <= begin) return {};
+  const glm::dvec3 size_m(box[0], box[1], box[2]);
+  const glm::dvec3 dims(volume.dims[0], volume.dims[1], volume.dims[2]);
+  const double unit_m = size_m.x / dims.x / spacing_in_units(volume).x;
+  Ray ray;
+  ray.entry = ((origin + begin * direction) / size_m + 0.5) * dims;
+  ray.direction = direction / spacing_in_units(volume);
+  ray.length = (end - begin) / unit_m;
+  ray.distance_m = begin;
+  return ray;
+}
+
+double value_at(const Volume& volume, const glm::dvec3& voxel) {
+  const glm::dvec3 at = voxel - 0.5;
+  const glm::dvec3 cell = glm::floor(at);
+  const glm::dvec3 place = at - cell;
+  const glm::ivec3 i(cell);
+  double value = 0.0;
+  for (int corner = 0; corner < 8; ++corner) {
+    const int dx = corner & 1;
+    const int dy = corner >> 1 & 1;
+    const int dz = corner >> 2;
+    value += (dx ? place.x : 1.0 - place.x) * (dy ? place.y : 1.0 - place.y) *
+             (dz ? place.z : 1.0 - place.z) * voxel_at(volume, i.x + dx, i.y + dy, i.z + dz);
+  }
+  return value;
+}
+
+glm::dvec3 gradient_at(const Volume& volume, const glm::dvec3& voxel) {
+  const glm::dvec3 dims(volume.info.dims[0], volume.info.dims[1], volume.info.dims[2]);
+  const glm::dvec3 spacing = spacing_in_units(volume.info);
+  glm::dvec3 gradient(0.0);
+  for (int axis = 0; axis < 3; ++axis) {
+    glm::dvec3 step(0.0);
+    step[axis] = 1.0;
+    const double ahead = value_at(volume, glm::clamp(voxel + step, glm::dvec3(0.0), dims));
+    const double behind = value_at(volume, glm::clamp(voxel - step, glm::dvec3(0.0), dims));
+    gradient[axis] = (ahead - behind) / (2.0 * spacing[axis]);
+  }
+  return gradient;
+}
+
+Result cast(const Volume& volume, const TransferTable& table, const Ray& ray, const Options& options) {
+  Result result;
+  result.depth = std::numeric_limits<double>::infinity();
+  if (ray.length <= 0.0) return result;
+  const auto medium = [&](double t) {
+    const glm::dvec3 voxel = ray.entry + t * ray.direction;
+    const TransferSample here = lookup(table, value_at(volume, voxel));
+    glm::dvec3 colour(here.r, here.g, here.b);
+    if (options.phong && here.kappa > 0.0) colour = shade(volume, table, ray, voxel, colour, *options.phong);
+    return Medium<double>{here.kappa, {colour.r, colour.g, colour.b}};
+  };
+  const auto integral = integrate(ray.length, options.step_units, options.termination, medium);
+  result.colour = {integral.colour[0], integral.colour[1], integral.colour[2], integral.opacity};
+  result.depth = integral.first_hit;
+  result.work.rays = 1;
+  result.work.samples = static_cast<std::uint64_t>(integral.samples);
+  if (options.phong) result.work.shading_fetches = 6 * static_cast<std::uint64_t>(integral.visible_samples);
+  return result;
+}
+
+Picture render(const Volume& volume, const TransferTable& table, const EyeView& eye,
+               const VolumePlacement& placement, const Options& options) {
+  Picture picture{eye.width_px, eye.height_px, {}, {}, {}};
+  for (int y = 0; y < eye.height_px; ++y) {
+    for (int x = 0; x < eye.width_px; ++x) {
+      const Ray ray = ray_through_pixel(eye, volume.info, placement, x, y);
+      const Result result = cast(volume, table, ray, options);
+      picture.colours.push_back(result.colour);
+      picture.depths_m.push_back(ray.distance_m + result.depth * metres_per_unit(volume.info, placement));
+      picture.work.rays += result.work.rays;
+      picture.work.samples += result.work.samples;
+      picture.work.shading_fetches += result.work.shading_fetches;
+    }
+  }
+  return picture;
+}
+
+}  // namespace brace::reference
