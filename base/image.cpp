@@ -1,9 +1,9 @@
 #include "base/image.hpp"
 
-#include <png.h>
-
 #include <algorithm>
 #include <cstring>
+
+#include <png.h>
 
 #include "base/error.hpp"
 

@@ -16,7 +16,9 @@ struct Image {
 
   Image() = default;
   Image(int width, int height)
-      : width_px(width), height_px(height), pixels(static_cast<std::size_t>(width) * static_cast<std::size_t>(height)) {}
+      : width_px(width),
+        height_px(height),
+        pixels(static_cast<std::size_t>(width) * static_cast<std::size_t>(height)) {}
 
   Pixel& at(int x, int y) { return pixels[index(x, y)]; }
   const Pixel& at(int x, int y) const { return pixels[index(x, y)]; }

@@ -1,9 +1,9 @@
 #include "base/suggest.hpp"
 
-#include <fmt/ranges.h>
-
 #include <algorithm>
 #include <vector>
+
+#include <fmt/ranges.h>
 
 namespace brace {
 

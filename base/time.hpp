@@ -18,11 +18,21 @@ struct SimClock {
 using SimTime = SimClock::time_point;
 using SimDuration = SimClock::duration;
 
-constexpr SimTime sim_time(std::int64_t ns) { return SimTime(SimDuration(ns)); }
-constexpr std::int64_t to_ns(SimTime t) { return t.time_since_epoch().count(); }
-constexpr std::int64_t to_ns(SimDuration d) { return d.count(); }
-constexpr double to_s(SimDuration d) { return static_cast<double>(d.count()) * 1e-9; }
-constexpr double to_s(SimTime t) { return to_s(t.time_since_epoch()); }
+constexpr SimTime sim_time(std::int64_t ns) {
+  return SimTime(SimDuration(ns));
+}
+constexpr std::int64_t to_ns(SimTime t) {
+  return t.time_since_epoch().count();
+}
+constexpr std::int64_t to_ns(SimDuration d) {
+  return d.count();
+}
+constexpr double to_s(SimDuration d) {
+  return static_cast<double>(d.count()) * 1e-9;
+}
+constexpr double to_s(SimTime t) {
+  return to_s(t.time_since_epoch());
+}
 
 /// Nearest nanosecond; ties away from zero.
 constexpr SimDuration from_s(double seconds) {

@@ -2,8 +2,9 @@
 
 #include <filesystem>
 #include <string>
-#include <toml++/toml.h>
 #include <vector>
+
+#include <toml++/toml.h>
 
 namespace brace {
 

@@ -21,6 +21,10 @@ std::filesystem::path absolute_from(const std::filesystem::path& folder, const s
   return (given.is_absolute() ? given : folder / given).lexically_normal();
 }
 
+bool is_bare_name(const std::string& text) {
+  return text.find_first_of("/.") == std::string::npos;
+}
+
 Session::Device read_device(const SessionTable& table) {
   Session::Device device;
   device.profile = table.text("device.profile");
@@ -67,7 +71,8 @@ Session::Trace read_trace(const SessionTable& table, const std::filesystem::path
   if (!file && !generated) {
     throw input_error("{}: no head motion: accepted: 'trace.file' or 'trace.neck'", table.file());
   }
-  if (file) trace.file = absolute_from(folder, *file);
+  // A bare name is a shipped trace; the replay looks it up.
+  if (file) trace.file = is_bare_name(*file) ? std::filesystem::path(*file) : absolute_from(folder, *file);
   if (generated) trace.neck = read_neck(table);
   trace.interpolation = table.choice("trace.interpolation");
   trace.strict = table.flag("trace.strict");
@@ -98,8 +103,9 @@ Session::Scene read_scene(const SessionTable& table, const std::filesystem::path
   scene.volume = table.text("scene.volume");
   if (scene.volume.rfind("generator:", 0) != 0) scene.volume = absolute_from(folder, scene.volume).string();
   scene.transfer_function = table.text("scene.transfer_function");
-  const bool is_path = scene.transfer_function.find_first_of("/.") != std::string::npos;
-  if (is_path) scene.transfer_function = absolute_from(folder, scene.transfer_function).string();
+  if (!is_bare_name(scene.transfer_function)) {
+    scene.transfer_function = absolute_from(folder, scene.transfer_function).string();
+  }
   scene.shading = table.choice("scene.shading");
   scene.size_m = table.number_in("scene.size_m", 1e-6, 1e6);
   scene.position = table.text("scene.position");

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "hmd_sim/device_profile.hpp"
+#include "hmd_sim/trace_io.hpp"
+#include "runtime/frame/frame_loop.hpp"
+#include "runtime/raycast/eye_view.hpp"
+#include "runtime/session/session.hpp"
+
+namespace brace {
+
+struct PictureSize {
+  int width_px = 0;
+  int height_px = 0;
+};
+
+/// The simulated headset of a session: its profile, with the session's scale and choices applied.
+struct Headset {
+  sim::DeviceProfile profile;
+  PictureSize eye;    // the pictures that the raycaster makes
+  PictureSize panel;  // what an eye's panel shows
+};
+
+/// Throws input_error for an unknown profile, and for one without lens data unless device.lens = "none".
+Headset make_headset(const Session::Device& device, const std::filesystem::path& data_folder);
+
+Display display_of(const sim::DeviceProfile& profile);
+
+EyeView eye_view(const Headset& headset, sim::Eye eye, const Pose& world_from_head);
+
+/// The session's head motion: read from a file, from the shipped traces, or generated.
+struct HeadTrace {
+  sim::PoseTrace trace;
+  sim::TraceRepairs repairs;
+  std::string description;  // for the report
+};
+HeadTrace load_head_trace(const Session::Trace& trace, const std::filesystem::path& data_folder);
+
+/// Where the volume stands: centred at the session's position, its `up` axis to the world's +Y. "front:D" is
+/// D metres before `first_pose` at eye height, facing it; "x,y,z" faces +Z.
+VolumePlacement place_volume(const Session::Scene& scene, const Pose& first_pose);
+
+}  // namespace brace

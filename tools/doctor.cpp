@@ -1,0 +1,87 @@
+#include <thread>
+
+#include <fmt/core.h>
+#include <nlohmann/json.hpp>
+
+#include "base/error.hpp"
+#include "runtime/gpu/device.hpp"
+#include "runtime/gpu/shader_compiler.hpp"
+#include "tools/command.hpp"
+
+namespace brace {
+
+namespace {
+
+struct Check {
+  std::string name;
+  bool ok = false;
+  std::string found;
+};
+
+Check check_data_folder() {
+  try {
+    return {"data folder", true, data_folder().string()};
+  } catch (const Error& e) {
+    return {"data folder", false, e.what()};
+  }
+}
+
+Check check_stages() {
+  try {
+    return {"stages", true, fmt::format("{} found", make_stage_registry().stages().size())};
+  } catch (const Error& e) {
+    return {"stages", false, e.what()};
+  }
+}
+
+std::vector<Check> check_vulkan(const std::string& gpu) {
+  std::vector<Check> checks;
+  try {
+    for (const gpu::DeviceInfo& device : gpu::list_devices()) {
+      const bool usable = device.missing.empty();
+      checks.push_back(
+          {fmt::format("Vulkan device {}", device.index), usable,
+           fmt::format("{} ({}, {}, Vulkan {}){}", device.name, gpu::to_string(device.type), device.driver,
+                       device.api_version_text, usable ? "" : "; lacks " + device.missing)});
+    }
+    const gpu::Device device(gpu::DeviceOptions{.select = gpu});
+    const gpu::DeviceLimits& limits = device.limits();
+    checks.push_back({"a run uses", true, device.info().name});
+    checks.push_back({"limits", true,
+                      fmt::format("allocation {} MiB, storage buffer {} MiB, texel buffer {} Mi texels",
+                                  limits.allocation_bytes_max >> 20, limits.storage_buffer_bytes_max >> 20,
+                                  limits.texel_buffer_texels_max >> 20)});
+  } catch (const Error& e) {
+    checks.push_back({"Vulkan", false, e.what()});
+  }
+  return checks;
+}
+
+}  // namespace
+
+int doctor_command(const DoctorCommand& command) {
+  std::vector<Check> checks = {check_data_folder(), check_stages()};
+  for (Check& check : check_vulkan(command.gpu))
+    checks.push_back(std::move(check));
+  const std::filesystem::path cache = gpu::default_cache_folder();
+  checks.push_back(
+      {"kernel cache", true, cache.empty() ? "off: neither XDG_CACHE_HOME nor HOME is set" : cache.string()});
+  checks.push_back({"host threads", true, std::to_string(std::thread::hardware_concurrency())});
+
+  bool ok = true;
+  nlohmann::ordered_json json = {{"version", BRACE_VERSION}, {"checks", nlohmann::ordered_json::array()}};
+  for (const Check& check : checks) {
+    // A device that is not usable is no fault while another one is.
+    const bool listed_only = check.name.rfind("Vulkan device", 0) == 0;
+    ok = ok && (check.ok || listed_only);
+    json["checks"].push_back({{"name", check.name}, {"ok", check.ok}, {"found", check.found}});
+    if (!command.json)
+      fmt::print("{:<5} {:<18} {}\n", check.ok ? "ok" : (listed_only ? "-" : "FAIL"), check.name,
+                 check.found);
+  }
+  json["ok"] = ok;
+  if (command.json) fmt::print("{}\n", json.dump(2));
+  return static_cast<int>(ok ? ExitCode::done : ExitCode::device_or_plugin_failed);
+}
+
+}  // namespace brace

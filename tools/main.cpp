@@ -1,0 +1,147 @@
+#include <functional>
+
+#include <CLI/CLI.hpp>
+#include <fmt/core.h>
+
+#include "base/error.hpp"
+#include "tools/command.hpp"
+
+namespace {
+
+using namespace brace;
+
+/// What to do once the command line is parsed.
+using Action = std::function<int()>;
+
+void add_gpu_option(CLI::App& app, std::string& gpu) {
+  app.add_option("--gpu", gpu,
+                 "Vulkan device: a part of its name, its index or its UUID (see `brace doctor`)");
+}
+
+void add_run(CLI::App& app, RunCommand& command, Action& action) {
+  CLI::App* run =
+      app.add_subcommand("run", "Replay a session on the simulated headset and write a run directory");
+  run->add_option("session", command.session, "Session file (TOML)")->required();
+  run->add_option("--set", command.set,
+                  "KEY=VALUE: override a key of the session, e.g. device.profile=valve-index");
+  run->add_option("--out", command.out, "Run directory to write (default: runs/SESSION)");
+  run->add_option("--frames", command.frames, "Number of display vsyncs (default: to the end of the trace)");
+  run->add_option("--seed", command.seed, "Seed of the tracker's noise");
+  add_gpu_option(*run, command.gpu);
+  run->add_flag("--json", command.json, "Print the summary as JSON");
+  run->footer(
+      "Example:\n  brace run examples/demo.toml --set pipeline.warp=none --frames 180 --out runs/no-warp");
+  run->callback([&] { action = [&] { return run_command(command); }; });
+}
+
+void add_list(CLI::App& app, ListCommand& command, Action& action) {
+  CLI::App* list = app.add_subcommand("list", "What sessions can name");
+  list->add_option("what", command.what,
+                   "devices, stages, plugins, generators, costs, transfer-functions or keys")
+      ->required();
+  list->add_flag("--json", command.json, "Print JSON");
+  list->footer("Example:\n  brace list stages");
+  list->callback([&] { action = [&] { return list_command(command); }; });
+}
+
+void add_doctor(CLI::App& app, DoctorCommand& command, Action& action) {
+  CLI::App* doctor = app.add_subcommand("doctor", "Check this machine: Vulkan devices, data files, caches");
+  add_gpu_option(*doctor, command.gpu);
+  doctor->add_flag("--json", command.json, "Print JSON");
+  doctor->footer("Example:\n  brace doctor");
+  doctor->callback([&] { action = [&] { return doctor_command(command); }; });
+}
+
+struct TraceCommands {
+  TraceInfoCommand info;
+  TraceConvertCommand convert;
+  TraceGenerateCommand generate;
+};
+
+void add_trace(CLI::App& app, TraceCommands& commands, Action& action) {
+  CLI::App* trace = app.add_subcommand("trace", "Look at, convert and generate head pose traces");
+  trace->require_subcommand(1);
+
+  CLI::App* info = trace->add_subcommand("info", "Length, rate, speeds and repairs of a trace");
+  info->add_option("file", commands.info.file, "Trace (TUM, EuRoC, A-Frame JSON or Brace's own form)")
+      ->required();
+  info->add_flag("--strict", commands.info.strict, "Refuse a trace that would need repair");
+  info->add_flag("--json", commands.info.json, "Print JSON");
+  info->footer("Example:\n  brace trace info my_recording.csv");
+  info->callback([&] { action = [&] { return trace_info_command(commands.info); }; });
+
+  CLI::App* convert = trace->add_subcommand("convert", "Write a trace in another form");
+  convert->add_option("from", commands.convert.from, "Trace to read")->required();
+  convert->add_option("to", commands.convert.to, "File to write")->required();
+  convert->add_option("--format", commands.convert.format,
+                      "brace, tum or euroc (default: by the extension: .trace, .txt, .csv)");
+  convert->footer("Example:\n  brace trace convert recording.json recording.trace");
+  convert->callback([&] { action = [&] { return trace_convert_command(commands.convert); }; });
+
+  CLI::App* generate = trace->add_subcommand("generate", "Make a head motion through the neck model");
+  generate->add_option("motion", commands.generate.motion, "rotation, translation, natural, still or spin")
+      ->required();
+  generate->add_option("to", commands.generate.to, "File to write")->required();
+  generate->add_option("--degrees", commands.generate.degrees,
+                       "Extent of a rotation; speed per second of a spin");
+  generate->add_option("--metres", commands.generate.metres, "Extent of a translation");
+  generate->add_option("--seconds", commands.generate.seconds, "Duration");
+  generate->add_option("--rate", commands.generate.rate_hz, "Poses per second");
+  generate->add_option("--seed", commands.generate.seed, "Seed of the natural motion");
+  generate->footer("Example:\n  brace trace generate rotation turn.trace --degrees 60 --seconds 1");
+  generate->callback([&] { action = [&] { return trace_generate_command(commands.generate); }; });
+}
+
+void add_bench(CLI::App& app, BenchCommand& command, Action& action) {
+  CLI::App* bench =
+      app.add_subcommand("bench", "Measure this machine against published and installed rivals");
+  bench->add_option("name", command.name, "raycast, replay or distort")->required();
+  add_gpu_option(*bench, command.gpu);
+  bench->add_flag("--quick", command.quick, "Fewer repetitions: a first look, not a figure to quote");
+  bench->add_flag("--json", command.json, "Print JSON");
+  bench->footer("Example:\n  brace bench raycast");
+  bench->callback([&] { action = [&] { return bench_command(command); }; });
+}
+
+int run_action(const Action& action) {
+  try {
+    return action();
+  } catch (const Error& e) {
+    fmt::print(stderr, "brace: {}\n", e.what());
+    return static_cast<int>(e.exit_code());
+  } catch (const std::bad_alloc&) {
+    fmt::print(stderr, "brace: out of memory: take a smaller volume or device.resolution_scale\n");
+    return static_cast<int>(ExitCode::device_or_plugin_failed);
+  } catch (const std::exception& e) {
+    fmt::print(stderr, "brace: {}\n", e.what());
+    return static_cast<int>(ExitCode::device_or_plugin_failed);
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  CLI::App app("Brace: a simulated head-mounted display for volume renderers", "brace");
+  app.set_version_flag("--version", BRACE_VERSION);
+  app.require_subcommand(1);
+  app.footer("Exit codes: 0 done, 1 a check failed, 2 bad input or usage, 3 device or plug-in failed.");
+
+  RunCommand run;
+  ListCommand list;
+  DoctorCommand doctor;
+  TraceCommands trace;
+  BenchCommand bench;
+  Action action;
+  add_run(app, run, action);
+  add_trace(app, trace, action);
+  add_list(app, list, action);
+  add_doctor(app, doctor, action);
+  add_bench(app, bench, action);
+
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& e) {
+    return app.exit(e) == 0 ? 0 : static_cast<int>(ExitCode::bad_input);
+  }
+  return run_action(action);
+}
