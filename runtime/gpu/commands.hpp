@@ -6,6 +6,7 @@
 #include <initializer_list>
 #include <span>
 #include <string>
+#include <string_view>
 #include <type_traits>
 #include <utility>
 #include <vector>
@@ -94,9 +95,9 @@ class CommandList {
 
  private:
   friend const std::vector<Timing>& submit_and_wait(CommandList& commands);
-  friend class CommandRecorder;
   void swap(CommandList& other) noexcept;
   void ensure_recording();
+  void ensure_submittable();
 
   DeviceContext* context_ = nullptr;
   std::string name_;

@@ -64,7 +64,7 @@ struct CompiledKernel {
   std::vector<std::string> sources;  // names of the main source and of every include, in order of first use
 };
 
-/// Compiles for Vulkan 1.3, optimised for size of work, not of code. The cache is keyed by the content of
+/// Compiles for Vulkan 1.3 and drops bindings that nothing uses. The cache is keyed by the content of
 /// everything that goes in; a broken or foreign entry counts as a miss. Throws input_error with
 /// "name:line: message" lines, where name is the included source's and line its own.
 CompiledKernel compile(const KernelDescription& kernel, const CompileOptions& options = {});
