@@ -105,7 +105,7 @@ TransferSample evaluate(const TransferFunction& resolved, double value);
 /// A transfer function as a table of N entries, and the one definition of its lookup, which the GLSL kernel
 /// and the double-precision reference both implement:
 ///
-///   u = clamp((v - min) / (max - min), 0, 1) * (N - 1),  i = min(floor(u), N - 2),  f = u - i,
+///   u = clamp((v - min) * ((N - 1) / (max - min)), 0, N - 1),  i = min(floor(u), N - 2),  f = u - i,
 ///   r, g, b, kappa = (1 - f) * entry[i] + f * entry[i + 1]   each by itself.
 ///
 /// Colours are interpolated NOT premultiplied and kappa linearly (never opacity): so every sample stays
@@ -139,8 +139,8 @@ TransferSample lookup(const TransferTable& table, double value);
 /// The entries rounded to float, r g b kappa, for a buffer or a texture.
 std::vector<std::array<float, 4>> float_entries(const TransferTable& table);
 
-/// Entries lie so close to each other that no kappa above zero of the function may fall between two of them:
-/// true if some point with kappa > 0 has both its neighbouring entries at zero.
+/// True if a point with kappa > 0 lies between two entries that are both empty: a band too narrow for the
+/// table, which would not be seen.
 bool loses_a_point(const TransferFunction& resolved, const TransferTable& table);
 
 }  // namespace brace
