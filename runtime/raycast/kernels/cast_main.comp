@@ -19,7 +19,7 @@ void main() {
   const uint index = brace_ray_index(brace_area.origin + gl_GlobalInvocationID.xy);
   const BraceRay ray = brace_load_ray(index);
   BraceResult result = BraceResult(vec4(0.0), BRACE_NO_HIT);
-  if (ray.length > 0.0) brace_cast(ray, result);
+  if (ray.extent > 0.0) brace_cast(ray, result);
   brace_result_colours[index] = result.colour;
   brace_result_depths_m[index] = brace_distance_m(ray, result.depth);
 }

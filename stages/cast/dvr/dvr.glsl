@@ -11,7 +11,7 @@
 
 void brace_cast(BraceRay ray, inout BraceResult result) {
   BRACE_COUNTERS_DECLARE
-  const float segments = ray.length / cast_step_voxels;
+  const float segments = ray.extent / cast_step_voxels;
   const int count = int(ceil(segments));
   float depth = 0.0;  // optical, in powers of two
   float transmittance = 1.0;
@@ -41,7 +41,7 @@ void brace_cast(BraceRay ray, inout BraceResult result) {
       BRACE_NEXT_SAMPLE(ray, voxel, i, cast_step_voxels);
     }
   }
-  brace_emit_end(ray, min(float(i) * cast_step_voxels, ray.length));
+  brace_emit_end(ray, min(float(i) * cast_step_voxels, ray.extent));
   const float opacity = clamp(1.0 - transmittance, 0.0, 1.0);
   result.colour = vec4(clamp(colour, vec3(0.0), vec3(opacity)), opacity);
   BRACE_COUNTERS_COMMIT;

@@ -6,7 +6,7 @@
 
 struct BraceRay {
   vec3 entry;      // voxel coordinates of the point where the ray enters the volume (or of the eye inside it)
-  float length;    // from entry to exit, in units; <= 0: the ray misses the volume and is not cast
+  float extent;    // from entry to exit, in units; <= 0: the ray misses the volume and is not cast
   vec3 direction;  // voxels per unit: entry + t * direction is t units along the ray
   float level;     // level of detail asked for; 0 is the finest
 };

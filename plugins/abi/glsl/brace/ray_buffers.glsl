@@ -19,7 +19,7 @@ BraceRay brace_load_ray(uint index) {
 }
 
 void brace_store_ray(uint index, BraceRay ray) {
-  brace_ray_entries[index] = vec4(ray.entry, ray.length);
+  brace_ray_entries[index] = vec4(ray.entry, ray.extent);
   brace_ray_directions[index] = vec4(ray.direction, ray.level);
 }
 

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "runtime/raycast/eye_view.hpp"
+#include "runtime/volume/transfer_function.hpp"
+#include "runtime/volume/volume.hpp"
+
+namespace brace::bench {
+
+/// The ray casting scene of the benchmarks: 256^3 uint8, 83 % of the voxels zero, a lumpy ball with a hollow
+/// texture; 30 degrees of field of view, half a voxel per step, early termination at 0.99.
+struct RaycastScene {
+  struct Transfer {
+    std::string name;  // T: nearly transparent; S: surface-like
+    TransferFunction function;
+  };
+  std::vector<Transfer> transfers;
+  VolumePlacement placement;
+  EyeView eye;
+  double step_voxels = 0.5;
+  double termination_opacity = 0.99;
+};
+
+/// The volume, made from a formula slice by slice: the same bytes everywhere.
+std::unique_ptr<VolumeSource> open_scene_volume(int edge = 256);
+
+RaycastScene make_raycast_scene(int width_px = 512, int height_px = 512);
+
+}  // namespace brace::bench
