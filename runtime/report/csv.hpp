@@ -6,6 +6,7 @@
 
 #include "runtime/metrics/frame_record.hpp"
 #include "runtime/report/output_file.hpp"
+#include "runtime/timeline/job_record.hpp"
 
 namespace brace {
 
@@ -20,6 +21,18 @@ class FrameCsvWriter {
   explicit FrameCsvWriter(const std::filesystem::path& path);
   void append(const FrameRecord& record);
   /// Flushes and closes; errors throw. Without it the file may be incomplete.
+  void close();
+
+ private:
+  OutputFile file_;
+  std::string row_;
+};
+
+/// The same for costs.csv; runtime/timeline/costs_csv.hpp has its format and its reader.
+class CostCsvWriter {
+ public:
+  explicit CostCsvWriter(const std::filesystem::path& path);
+  void append(const JobRecord& record);
   void close();
 
  private:

@@ -10,13 +10,13 @@ namespace brace {
 /// Tells a user how far something is. On a terminal: one line with a bar and the time left, redrawn at most
 /// ten times a second. Elsewhere (a log): a plain line at each further tenth. Nothing at all for what
 /// ends within a second. Cheap enough for every vsync of a pacing replay.
-class Progress {
+class ProgressMeter {
  public:
   /// `what` stands before the bar ("casting"); total in `unit`s, 0 if not known. `stream` is not owned.
-  Progress(std::string what, std::uint64_t total, std::string unit = "", std::FILE* stream = stderr);
-  ~Progress();  // ends the terminal's line
-  Progress(const Progress&) = delete;
-  Progress& operator=(const Progress&) = delete;
+  ProgressMeter(std::string what, std::uint64_t total, std::string unit = "", std::FILE* stream = stderr);
+  ~ProgressMeter();  // ends the terminal's line
+  ProgressMeter(const ProgressMeter&) = delete;
+  ProgressMeter& operator=(const ProgressMeter&) = delete;
 
   void update(std::uint64_t done) {
     if (done >= look_at_) look(done);

@@ -2,11 +2,14 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "runtime/metrics/frame_record.hpp"
+#include "runtime/metrics/pacing.hpp"
+#include "runtime/timeline/job_record.hpp"
 
 namespace brace {
 
@@ -45,13 +48,18 @@ struct EyePicture {
 };
 
 /// Records of one pipeline. A run has at least one series; a comparison (thesis Fig. 18: none and quad) has
-/// several with different labels. The records are not owned and must outlive the report.
+/// several with different labels. Records and jobs are not owned and must outlive the report.
 struct RunSeries {
   std::string label;  // "" is fine for a single series
   std::vector<StageChoice> pipeline;
   std::vector<LeftOut> left_out;
   std::span<const FrameRecord> records;  // in the order of vsyncs
+  std::span<const JobRecord> jobs;       // in the order of submission
   std::vector<EyePicture> pictures;
+  /// Figures of the whole run, for replays too long to keep all records: `records` and `jobs` are then the
+  /// part that was kept, for the page. Without them the figures are those of `records` and `jobs`.
+  std::optional<PacingFigures> figures;
+  std::optional<FrameRate> rate;
 };
 
 struct ClockInfo {
