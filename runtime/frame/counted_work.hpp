@@ -28,13 +28,11 @@ class CountedWork final : public FrameWork {
   ShowOutcome show(const ShowRequest& request) override;
 
  private:
-  const WorkProbe& interpolate(SimTime time);
+  WorkCounts interpolate(SimTime time, WorkCounts WorkProbe::*counts);
 
   std::vector<WorkProbe> probes_;
   SimDuration period_;
   std::size_t cursor_ = 0;  // forward walks are amortised O(1)
-  WorkProbe at_;
-  WorkCounts warp_now_;  // of the last cast: a warp's work does not depend on time but on the frame it reads
 };
 
 }  // namespace brace

@@ -28,6 +28,7 @@ struct WarpRequest {
   int slot = 0;
   Pose render_world_from_head;
   Pose warp_world_from_head;  // the render pose if the warp stage uses no pose
+  SimTime start;              // when the pose is latched and the job submitted
 };
 
 /// A vsync with its photons: what was shown, and where the head truly is at photon time.

@@ -7,8 +7,8 @@
 
 namespace brace {
 
-/// Where the frame loop's records go. Two implementations: RunRecords keeps them, PacingStream
-/// (pacing_stream.hpp) folds them into figures in constant memory for replays of days.
+/// Where the frame loop's records go. Two implementations: RunRecords keeps them, PacingSink
+/// (pacing_sink.hpp) folds them into figures in constant memory for replays of days.
 class RecordSink {
  public:
   virtual ~RecordSink() = default;

@@ -72,7 +72,6 @@ class SimulatedGpu {
   void finish_activity(Engine& engine);
   void begin_next(Engine& engine, SimTime now);
   void work_on(Engine& engine, bool on_warp, SimTime now);
-  void advance_engine(Engine& engine, SimTime now);
 
   QueueKind kind_;
   PreemptionParams preemption_;

@@ -1,0 +1,362 @@
+#include "runtime/frame/frame_loop.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "base/error.hpp"
+#include "runtime/frame/recent_durations.hpp"
+#include "runtime/timeline/event_queue.hpp"
+
+namespace brace {
+
+namespace {
+
+enum class LoopEvent { vsync, latch_warp, start_eye_frame, gpu_change };
+
+/// An eye frame: asked for, and with `done` the front buffer.
+struct EyeFrame {
+  std::int64_t frame = -1;
+  Pose world_from_head;
+  std::int64_t reading_ns = -1;  // the newest tracker reading it was predicted from
+  std::int64_t target_ns = -1;   // photon time it was predicted for
+  std::int64_t start_ns = -1;    // first work on the GPU
+  std::int64_t done_ns = -1;
+  WorkCounts work;
+};
+
+/// What a warp makes of an eye frame: on its way to the panel, or on it.
+struct DisplayImage {
+  EyeFrame eye;
+  Pose warp_world_from_head;
+  std::int64_t reading_ns = -1;  // of the latched pose; the eye frame's for warps without one
+  std::int64_t start_ns = -1;
+  std::int64_t done_ns = -1;  // -1 while the GPU works on it
+};
+
+struct PhotonOffsets {
+  SimDuration first_row, mid, last_row;  // from the vsync; the same for every vsync
+};
+
+struct Loop {
+  Loop(const FrameLoopConfig& loop_config, const FrameLoopInputs& loop_inputs)
+      : config(loop_config),
+        inputs(loop_inputs),
+        clock(SimTime(SimDuration(0)), loop_config.display.refresh),
+        gpu(loop_config.queue, loop_config.preemption) {}
+
+  const FrameLoopConfig& config;
+  const FrameLoopInputs& inputs;
+  sim::VsyncClock clock;
+  PhotonOffsets photons{};
+  std::int64_t vsync_count = 0;
+  EventQueue<LoopEvent> events;
+  SimulatedGpu gpu;
+  std::optional<SimTime> gpu_event;  // earliest change that an event waits for
+
+  std::optional<EyeFrame> casting;   // at most one
+  std::optional<EyeFrame> front;     // newest finished
+  std::optional<DisplayImage> next;  // the one image between latch and vsync
+  std::optional<DisplayImage> panel;
+
+  RecentDurations cast_durations, warp_costs;
+  double quality = 1.0;
+  std::uint32_t missed_since_control = 0;
+  std::int32_t stale_run = 0;
+  std::int64_t last_predicted_vsync = -1;
+  FrameLoopResult result;
+};
+
+SimDuration period_of(const Loop& loop) {
+  return loop.clock.period_after(0);
+}
+
+SimTime photon_mid(const Loop& loop, std::int64_t vsync) {
+  return loop.clock.time_of(vsync) + loop.photons.mid;
+}
+
+SimDuration warp_lead(const Loop& loop) {
+  const FrameLoopConfig& config = loop.config;
+  const SimDuration period = period_of(loop);
+  if (config.warp_lead) return std::clamp(*config.warp_lead, SimDuration(0), period);
+  SimDuration lead = loop.warp_costs.max_or(period / 4) + config.warp_margin;
+  if (config.queue == QueueKind::priority)
+    lead += config.preemption.granularity + config.preemption.switch_cost;
+  return std::min(lead, period);
+}
+
+Pose predict(const PredictStage& stage, std::span<const brace_tracker_sample> readings, SimTime target) {
+  brace_pose pose{};
+  const brace_result result = stage.functions->predict(
+      stage.self, readings.data(), static_cast<std::uint32_t>(readings.size()), to_ns(target), &pose);
+  const double* q = pose.orientation_xyzw;
+  const double norm = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
+  const double reach = pose.position_m[0] + pose.position_m[1] + pose.position_m[2];
+  if (result != BRACE_OK || !(std::abs(norm - 1) < 1e-6) || !std::isfinite(reach)) {
+    throw device_error(
+        "the predict stage failed for t = {} ns (result {}, |q|^2 = {}): a finite unit pose is wanted",
+        to_ns(target), static_cast<int>(result), norm);
+  }
+  return sim::from_abi(pose);
+}
+
+void expect_gpu_change(Loop& loop) {
+  const std::optional<SimTime> change = loop.gpu.next_change();
+  if (!change || (loop.gpu_event && *loop.gpu_event <= *change)) return;
+  loop.events.push(*change, LoopEvent::gpu_change);
+  loop.gpu_event = change;
+}
+
+void submit(Loop& loop, JobKind kind, std::int64_t index, const JobOutcome& outcome) {
+  const SimTime now = loop.events.now();
+  const SimDuration cost = loop.inputs.cost.cost({.kind = kind,
+                                                  .index = index,
+                                                  .elapsed = now.time_since_epoch(),
+                                                  .work = outcome.work,
+                                                  .device_time = outcome.device_time});
+  loop.gpu.submit({.kind = kind, .index = index, .cost = cost, .work = outcome.work}, now);
+  expect_gpu_change(loop);
+}
+
+/// The vsync where a frame started now is expected to be seen first.
+std::int64_t expected_vsync(const Loop& loop) {
+  const SimTime done = loop.events.now() + loop.cast_durations.mean_or(period_of(loop));
+  const std::int64_t vsync = loop.clock.first_at_or_after(done + warp_lead(loop));
+  return loop.config.pace == Pace::vsync ? std::max(vsync, loop.last_predicted_vsync + 1) : vsync;
+}
+
+void start_eye_frame(Loop& loop) {
+  const SimTime now = loop.events.now();
+  const std::int64_t vsync = expected_vsync(loop);
+  if (vsync <= loop.last_predicted_vsync) ++loop.result.duplicate_predictions;
+  loop.last_predicted_vsync = std::max(loop.last_predicted_vsync, vsync);
+
+  const std::span<const brace_tracker_sample> readings = loop.inputs.head.readings(now);
+  const SimTime target = photon_mid(loop, vsync);
+  EyeFrame eye;
+  eye.frame = loop.result.eye_frames_started++;
+  eye.world_from_head = predict(loop.inputs.predict, readings, target);
+  eye.reading_ns = readings.back().time_ns;
+  eye.target_ns = to_ns(target);
+  const JobOutcome outcome = loop.inputs.work.cast({.frame = eye.frame,
+                                                    .slot = static_cast<int>(eye.frame % frame_slots),
+                                                    .world_from_head = eye.world_from_head,
+                                                    .start = now,
+                                                    .quality = loop.quality});
+  eye.work = outcome.work;
+  loop.casting = eye;
+  submit(loop, JobKind::cast, eye.frame, outcome);
+}
+
+/// Takes the newest finished eye frame and, for warps that use one, the newest pose.
+void latch_warp(Loop& loop, std::int64_t vsync) {
+  if (!loop.front || loop.next) return;  // nothing to show yet, or a late image goes first
+  const bool uses_pose = loop.config.warp_pose != WarpPose::none;
+  if (!uses_pose && loop.panel && loop.panel->eye.frame == loop.front->frame) return;  // the panel repeats it
+
+  const SimTime now = loop.events.now();
+  DisplayImage image{.eye = *loop.front,
+                     .warp_world_from_head = loop.front->world_from_head,
+                     .reading_ns = loop.front->reading_ns};
+  if (uses_pose) {
+    const std::span<const brace_tracker_sample> readings = loop.inputs.head.readings(now);
+    image.warp_world_from_head = predict(loop.inputs.predict, readings, photon_mid(loop, vsync));
+    image.reading_ns = readings.back().time_ns;
+  }
+  const JobOutcome outcome = loop.inputs.work.warp({.vsync_index = vsync,
+                                                    .frame = image.eye.frame,
+                                                    .slot = static_cast<int>(image.eye.frame % frame_slots),
+                                                    .render_world_from_head = image.eye.world_from_head,
+                                                    .warp_world_from_head = image.warp_world_from_head,
+                                                    .start = now});
+  loop.next = image;
+  ++loop.result.warps;
+  submit(loop, JobKind::warp, vsync, outcome);
+}
+
+void control_quality(Loop& loop, const JobRecord& cast) {
+  const ControlStage& control = loop.inputs.control;
+  if (control.functions == nullptr) return;
+  const brace_control_input input{.struct_size = sizeof(brace_control_input),
+                                  .frame = static_cast<std::uint64_t>(cast.index),
+                                  .frame_cost_ns = cast.cost_ns,
+                                  .budget_ns = to_ns(period_of(loop) - warp_lead(loop)),
+                                  .missed = loop.missed_since_control,
+                                  .delay_frames = 0};  // the next frame starts after this
+  double quality = 0;
+  const brace_result result = control.functions->update(control.self, &input, &quality);
+  if (result != BRACE_OK || !(quality > 0 && quality <= 1)) {
+    throw device_error(
+        "the control stage failed after frame {} (result {}, quality {}); accepted: 0 < quality <= 1",
+        cast.index, static_cast<int>(result), quality);
+  }
+  loop.quality = quality;
+  loop.missed_since_control = 0;
+}
+
+void finish_cast(Loop& loop, const JobRecord& job) {
+  BRACE_CHECK(loop.casting && loop.casting->frame == job.index);
+  loop.front = loop.casting;
+  loop.front->start_ns = job.start_ns;
+  loop.front->done_ns = job.end_ns;
+  loop.casting.reset();
+  ++loop.result.eye_frames_finished;
+  loop.cast_durations.add(SimDuration(job.end_ns - job.submit_ns));
+  control_quality(loop, job);
+  if (loop.config.pace == Pace::free) {
+    const SimTime earliest = sim_time(job.submit_ns) + free_frame_interval_min;
+    loop.events.push(std::max(loop.events.now(), earliest), LoopEvent::start_eye_frame);
+  }
+}
+
+void finish_warp(Loop& loop, const JobRecord& job) {
+  BRACE_CHECK(loop.next.has_value());
+  loop.next->start_ns = job.start_ns;
+  loop.next->done_ns = job.end_ns;
+  loop.warp_costs.add(SimDuration(job.cost_ns));
+}
+
+void collect_finished(Loop& loop) {
+  loop.gpu.advance(loop.events.now());
+  while (const std::optional<JobRecord> job = loop.gpu.take_finished()) {
+    loop.inputs.sink.add(*job);
+    if (job->kind == JobKind::cast) finish_cast(loop, *job);
+    if (job->kind == JobKind::warp) finish_warp(loop, *job);
+  }
+  expect_gpu_change(loop);
+}
+
+/// What the eye gets: rotation and translation may come from different poses.
+Pose shown_pose(const DisplayImage& image, WarpPose warp_pose) {
+  Pose shown = image.eye.world_from_head;
+  if (warp_pose != WarpPose::none) shown.orientation = image.warp_world_from_head.orientation;
+  if (warp_pose == WarpPose::rotation_and_translation) shown.position = image.warp_world_from_head.position;
+  return shown;
+}
+
+void describe_image(FrameRecord& record, const DisplayImage& image, WarpPose warp_pose) {
+  record.displayed_frame = image.eye.frame;
+  record.render_pose_ns = image.eye.reading_ns;
+  record.render_target_ns = image.eye.target_ns;
+  record.render_start_ns = image.eye.start_ns;
+  record.render_done_ns = image.eye.done_ns;
+  record.warp_pose_ns = image.reading_ns;
+  record.warp_start_ns = image.start_ns;
+  record.warp_done_ns = image.done_ns;
+  record.mtp_rotation_ns = record.photon_mid_ns - image.reading_ns;
+  record.mtp_translation_ns =
+      record.photon_mid_ns -
+      (warp_pose == WarpPose::rotation_and_translation ? image.reading_ns : image.eye.reading_ns);
+  record.frame_age_ns = record.vsync_ns - image.eye.reading_ns;
+  record.work = image.eye.work;
+}
+
+void describe_error(FrameRecord& record, const Pose& shown, const Pose& truth) {
+  const glm::dvec3 turn_rad = quat_log(glm::conjugate(truth.orientation) * shown.orientation);
+  record.angular_error_vector_rad = {turn_rad.x, turn_rad.y, turn_rad.z};
+  record.angular_error_rad = glm::length(turn_rad);
+  record.position_error_m = glm::length(shown.position - truth.position);
+}
+
+/// Scans out the image that is ready, or the last one again.
+void show_vsync(Loop& loop, std::int64_t vsync) {
+  const bool image_is_new = loop.next && loop.next->done_ns >= 0;
+  if (image_is_new) {
+    loop.panel = loop.next;
+    loop.next.reset();
+  }
+  const SimTime now = loop.events.now();
+  FrameRecord record;
+  record.vsync_index = vsync;
+  record.vsync_ns = to_ns(now);
+  record.photon_first_row_ns = to_ns(now + loop.photons.first_row);
+  record.photon_mid_ns = to_ns(now + loop.photons.mid);
+  record.photon_last_row_ns = to_ns(now + loop.photons.last_row);
+  record.pose_valid = loop.inputs.head.valid_at(now + loop.photons.mid);
+  if (loop.panel) {
+    record.missed = !image_is_new;
+    loop.stale_run = record.missed ? loop.stale_run + 1 : 0;
+    loop.missed_since_control += record.missed ? 1 : 0;
+    record.stale_run = loop.stale_run;
+    describe_image(record, *loop.panel, loop.config.warp_pose);
+    const Pose truth = loop.inputs.head.true_pose(now + loop.photons.mid);
+    if (record.pose_valid) describe_error(record, shown_pose(*loop.panel, loop.config.warp_pose), truth);
+    const ShowOutcome outcome = loop.inputs.work.show(
+        {.vsync_index = vsync, .image_is_new = image_is_new, .true_world_from_head = truth});
+    record.dssim_left = outcome.dssim_left;
+    record.dssim_right = outcome.dssim_right;
+  }
+  loop.inputs.sink.add(record);
+  ++loop.result.vsyncs;
+}
+
+void on_vsync(Loop& loop, std::int64_t vsync) {
+  show_vsync(loop, vsync);
+  if (vsync + 1 == loop.vsync_count) return;
+  // schedule/whole_frame: one job per eye frame. A chunked schedule submits its cells here instead.
+  const bool starts = vsync == 0 || (loop.config.pace == Pace::vsync && !loop.casting);
+  if (starts) start_eye_frame(loop);
+  const SimTime next = loop.clock.time_of(vsync + 1);
+  loop.events.push(std::max(loop.events.now(), next - warp_lead(loop)), LoopEvent::latch_warp, vsync + 1);
+  loop.events.push(next, LoopEvent::vsync, vsync + 1);
+}
+
+/// Vsyncs whose middle photon time the trace covers, at most vsyncs_max.
+std::int64_t count_vsyncs(Loop& loop) {
+  const std::optional<std::int64_t>& asked = loop.config.vsyncs_max;
+  const SimTime end = loop.inputs.head.end_time();
+  if (end == SimTime::max()) {
+    if (!asked) throw input_error("a looping trace has no end: say how many vsyncs to replay (--frames N)");
+    return *asked;
+  }
+  const std::int64_t covered = loop.clock.last_at_or_before(end - loop.photons.mid) + 1;
+  if (covered <= 0) {
+    throw input_error("the trace ends {:.3f} ms after the start; the first vsync's photons are at {:.3f} ms",
+                      to_s(end) * 1e3, to_s(loop.photons.mid) * 1e3);
+  }
+  loop.result.trace_ended = !asked || covered <= *asked;
+  return asked ? std::min(covered, *asked) : covered;
+}
+
+PhotonOffsets photon_offsets(const Display& display) {
+  const SimTime zero = sim_time(0);
+  const sim::PhotonTimes times =
+      sim::photon_times(zero, display.scan_out, display.refresh, display.emission, display.scan_lines);
+  return {times.first_row - zero, times.mid - zero, times.last_row - zero};
+}
+
+}  // namespace
+
+FrameLoopResult run_frame_loop(const FrameLoopConfig& config, const FrameLoopInputs& inputs) {
+  BRACE_CHECK(inputs.predict.functions != nullptr);
+  Loop loop(config, inputs);
+  loop.photons = photon_offsets(config.display);
+  loop.vsync_count = count_vsyncs(loop);
+  if (loop.vsync_count <= 0) throw input_error("--frames is {}; accepted: 1 or more", loop.vsync_count);
+
+  loop.events.push(loop.clock.time_of(0), LoopEvent::vsync, 0);
+  while (loop.result.vsyncs < loop.vsync_count) {
+    const Event<LoopEvent> event = loop.events.pop();
+    if (loop.gpu_event == event.time && event.kind == LoopEvent::gpu_change) loop.gpu_event.reset();
+    collect_finished(loop);  // ends at this very time count, whatever the order of events
+    switch (event.kind) {
+      case LoopEvent::vsync:
+        on_vsync(loop, event.data);
+        break;
+      case LoopEvent::latch_warp:
+        latch_warp(loop, event.data);
+        break;
+      case LoopEvent::start_eye_frame:
+        start_eye_frame(loop);
+        break;
+      case LoopEvent::gpu_change:
+        break;
+    }
+  }
+  for (const JobRecord& job : loop.gpu.unfinished())
+    inputs.sink.add(job);
+  loop.result.events = loop.events.processed();
+  return loop.result;
+}
+
+}  // namespace brace
