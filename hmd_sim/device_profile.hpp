@@ -50,6 +50,23 @@ struct DeviceProfile {
   int scan_lines() const;
 };
 
+// The file, by example of htc-vive.toml; tables render_target and assumed may be missing, every other key
+// not:
+//   display_name
+//   [panel]          width_px, height_px (one eye), refresh_hz = [num, den], persistence_ns, photon_delay_ns
+//   [render_target]  width_px, height_px (one eye)
+//   [scan_out]       direction = "global|top_to_bottom|bottom_to_top|left_to_right|right_to_left", fraction
+//   [eyes.left], [eyes.right]   fov_tangents = {left, right, bottom, top}, position_m (in the head),
+//                    cant_deg (turn about +Y: positive turns the eye to the left)
+//   [lens]           kind = "none_published|identity|brown_conrady|panotools|vive"; of the last three also
+//   [lens.left], [lens.right]   panel_size_units = [w, h], tan_per_unit = [x, y], centre_uv = [u, v] or
+//   centre_uv
+//                    = {red, green, blue}; rgb = [k…] or red, green, blue = [k…]; scale_rgb = [r, g, b]
+//                    (panotools: factors on all k of a channel); cutoff_radius
+//   [tracker]        rate_hz = [num, den], latency_ns, position_noise_m, orientation_noise_rad,
+//                    dropout_probability
+//   [assumed]        "scan_out.fraction" = "why"
+
 /// Reads one profile. Throws input_error naming file and key (exit code 2): missing or unknown key (with the
 /// nearest known one), value out of range, lens that folds over at its centre.
 DeviceProfile load_device_profile(const std::filesystem::path& path);

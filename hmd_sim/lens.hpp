@@ -89,10 +89,15 @@ double usable_radius(const EyeLens& lens, Channel channel);
 
 /// (tan x, tan y) seen by a panel point; none beyond the usable radius.
 std::optional<glm::dvec2> panel_to_tangents(const EyeLens& lens, Channel channel, glm::dvec2 panel_uv);
+/// The same for loops: `usable` is usable_radius(lens, channel), which is costly, found once by the caller.
+std::optional<glm::dvec2> panel_to_tangents(const EyeLens& lens, Channel channel, double usable,
+                                            glm::dvec2 panel_uv);
 
 /// The panel point that shows a direction; none when no point within the usable radius does. The result may
 /// lie off the panel (outside 0..1).
 std::optional<glm::dvec2> tangents_to_panel(const EyeLens& lens, Channel channel, glm::dvec2 tangents);
+std::optional<glm::dvec2> tangents_to_panel(const EyeLens& lens, Channel channel, double usable,
+                                            glm::dvec2 tangents);
 
 glm::dvec2 tangents_to_target_uv(const FovTangents& fov, glm::dvec2 tangents);
 glm::dvec2 target_uv_to_tangents(const FovTangents& fov, glm::dvec2 target_uv);

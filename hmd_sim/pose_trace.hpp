@@ -20,11 +20,16 @@ enum class Interpolation {
   hermite        // log-chart Hermite with mapped end rates, observed order 4
 };
 
+/// Poses farther apart than this have a gap between them: nobody knows what the head did there.
+inline constexpr SimDuration trace_gap = std::chrono::milliseconds(50);
+
 /// A recorded or generated head trace: times strictly increase, quaternions are unit and sign-continuous.
 /// Gaps (intervals longer than 50 ms) are kept as invalid spans, never bridged.
 class PoseTrace {
  public:
-  PoseTrace(std::string name, std::vector<TimedPose> poses);  // throws brace::Error if the invariant fails
+  /// At least two poses; throws input_error naming the trace and the pose if the invariant fails. Times are
+  /// kept as given: a recording may start at any time, see shifted_to() in trace_info.hpp.
+  PoseTrace(std::string name, std::vector<TimedPose> poses);
 
   const std::string& name() const { return name_; }
   const std::vector<TimedPose>& poses() const { return poses_; }
@@ -33,6 +38,7 @@ class PoseTrace {
 
   /// False outside the trace and inside a gap.
   bool valid_at(SimTime time) const;
+  bool valid_at(SimTime time, std::size_t& hint) const;  // as at() with a hint
 
   /// The pose at a time, clamped to the ends; inside a gap the last pose before it (and valid_at is false).
   Pose at(SimTime time, Interpolation interpolation) const;

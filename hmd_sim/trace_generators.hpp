@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <string>
 
@@ -25,20 +26,20 @@ Pose rotation_pose(double degrees, double duration_s, double time_s,
 Pose translation_pose(double metres, double duration_s, double time_s,
                       const glm::dvec3& eyes_at_rest_m = standing_eyes_m);
 
-/// Band-limited wandering of a standing person about the neck: sums of sinusoids with random phases, looking
-/// around mostly below 1.2 Hz. A pure function of (seed, time).
+/// Band-limited wandering of a standing person about the neck: sums of sinusoids with random phases, all
+/// below 1.2 Hz. A pure function of (seed, time).
 class NaturalMotion {
  public:
   explicit NaturalMotion(std::uint64_t seed, const glm::dvec3& eyes_at_rest_m = standing_eyes_m);
   Pose at(double time_s) const;
 
  private:
-  static constexpr int kTones = 12;
+  static constexpr std::size_t tone_count = 12;
   struct Tone {
     double amplitude, frequency_hz, phase_rad;
   };
-  double sum(int axis, double time_s) const;
-  Tone tones_[6][kTones];  // yaw, pitch, roll (radians), x, y, z of the neck (metres)
+  double sum(std::size_t axis, double time_s) const;
+  Tone tones_[6][tone_count];  // yaw, pitch, roll (radians), x, y, z of the neck (metres)
   glm::dvec3 eyes_at_rest_m_;
 };
 
@@ -64,7 +65,8 @@ std::string to_string(Motion motion);
 Pose motion_pose(const MotionSpec& spec, double time_s);
 
 /// Samples a motion from time 0 to `seconds`, both included. Throws input_error for a length or rate out of
-/// range (0 < seconds <= 10^6, 20 <= rate <= 10^5 Hz, at most 2 * 10^7 samples).
+/// range (0 < seconds <= 10^6, 20 <= rate <= 10^5 Hz, at most 2 * 10^7 samples, a turn of at most 90 degrees
+/// between samples).
 PoseTrace generate_trace(const MotionSpec& spec);
 
 }  // namespace brace::sim

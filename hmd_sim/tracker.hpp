@@ -36,6 +36,7 @@ struct TrackerHistoryOptions {
 /// not exist. Keeps a reference to the trace: the trace must outlive it.
 class Tracker {
  public:
+  /// Throws input_error for a model out of range: noise and latency >= 0, drop-out probability 0 .. 0.99.
   Tracker(const PoseTrace& trace, const TrackerModel& model, std::uint64_t seed,
           const TrackerHistoryOptions& options = {});
 
@@ -49,31 +50,33 @@ class Tracker {
   brace_tracker_sample newest(SimTime now);
 
   const TrackerModel& model() const { return model_; }
+  Interpolation interpolation() const { return options_.interpolation; }
   /// Readings computed so far: what a test counts instead of time.
   std::uint64_t readings_computed() const { return readings_computed_; }
 
  private:
   struct Reading {
-    std::int64_t index;
     SimTime time;
-    Pose pose;
+    Pose world_from_head;
   };
 
-  bool exists(std::int64_t index) const;
-  std::int64_t newest_index(SimTime now) const;
-  std::int64_t previous_existing(std::int64_t index) const;
-  Reading read(std::int64_t index);
+  bool exists(std::int64_t index, std::size_t& hint) const;
+  std::int64_t newest_existing(std::int64_t index, std::size_t& hint) const;
+  std::int64_t newest_known(SimTime now, std::size_t& hint) const;
+  std::int64_t one_spacing_before(std::int64_t index, std::size_t& hint) const;
+  Reading read(std::int64_t index, std::size_t& hint);
+  std::span<const brace_tracker_sample> collect(SimTime now, std::size_t wanted);
 
   const PoseTrace& trace_;
   TrackerModel model_;
   std::uint64_t seed_;
   TrackerHistoryOptions options_;
   VsyncClock clock_;
-  std::int64_t stride_;
-  std::int64_t first_index_ = 0;
-  std::size_t hint_ = 0;
+  std::int64_t stride_;      // readings per spacing
+  std::int64_t last_index_;  // of the last reading within the trace
+  std::size_t hint_ = 0;     // trace position of the newest reading asked for
   std::uint64_t readings_computed_ = 0;
-  std::vector<brace_tracker_sample> ring_;
+  std::vector<brace_tracker_sample> samples_;
 };
 
 }  // namespace brace::sim
