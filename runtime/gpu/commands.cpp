@@ -163,6 +163,12 @@ void CommandList::dispatch(const ComputePipeline& pipeline, std::span<const Bind
   vk.vkCmdDispatch(commands_, groups[0], groups[1], groups[2]);
 }
 
+VkCommandBuffer_T* CommandList::hand_out() {
+  ensure_recording();
+  bound_pipeline_ = nullptr;
+  return commands_;
+}
+
 void CommandList::barrier() {
   ensure_recording();
   record_full_barrier(*context_, commands_);

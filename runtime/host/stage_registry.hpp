@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -9,6 +10,8 @@
 #include "plugins/abi/brace_stage.h"
 
 namespace brace {
+
+class PluginLibrary;
 
 /// The kinds of stage a pipeline is made of, in the order data flows. A stage is named family/name
 /// everywhere.
@@ -38,6 +41,7 @@ struct StageInfo {
   std::filesystem::path origin;                    // manifest or shared library; empty if compiled in
   std::filesystem::path glsl_source;               // the snippet of a GLSL stage; empty for a native one
   const brace_stage_descriptor* native = nullptr;  // not owned; null for a GLSL stage
+  std::shared_ptr<const PluginLibrary> library;    // holds `native` where that comes from a shared library
 
   std::string id() const { return family + "/" + name; }
 };
