@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <span>
 #include <string>
 #include <vector>
@@ -29,7 +30,7 @@ Pose predict_constant_acceleration(std::span<const brace_tracker_sample> history
 Pose predict_constant_acceleration(std::span<const brace_tracker_sample> history, SimTime target,
                                    const AccelerationLimits& limits);
 
-using PredictFunction = Pose (*)(std::span<const brace_tracker_sample> history, SimTime target);
+using PredictFunction = std::function<Pose(std::span<const brace_tracker_sample> history, SimTime target)>;
 
 struct ErrorSummary {
   double mean = 0, p95 = 0, max = 0;  // nearest-rank percentile

@@ -93,6 +93,19 @@ StageParameter read_parameter(const toml::table& table, const std::string& file)
   return parameter;
 }
 
+std::vector<std::string> texts(const toml::table& table, const char* key, const std::string& file) {
+  std::vector<std::string> list;
+  const toml::node* node = table.get(key);
+  if (node == nullptr) return list;
+  if (!node->is_array()) throw input_error("{}: '{}' wants a list of texts", place_of(*node, file), key);
+  for (const auto& entry : *node->as_array()) {
+    const auto text = entry.value_exact<std::string>();
+    if (!text) throw input_error("{}: '{}' wants a list of texts", place_of(entry, file), key);
+    list.push_back(*text);
+  }
+  return list;
+}
+
 }  // namespace
 
 StageInfo read_stage_manifest(const std::filesystem::path& path) {
@@ -119,6 +132,8 @@ StageInfo read_stage_manifest(const std::filesystem::path& path) {
   }
   info.version = required_text(*head, "version", file);
   info.help = required_text(*head, "help", file);
+  info.inputs = texts(*head, "inputs", file);
+  info.outputs = texts(*head, "outputs", file);
   if (const auto source = (*head)["source"].value<std::string>()) {
     info.glsl_source = path.parent_path() / *source;
     std::error_code ignored;

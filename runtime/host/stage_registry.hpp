@@ -38,6 +38,9 @@ struct StageInfo {
   std::string version;
   std::string help;
   std::vector<StageParameter> parameters;
+  /// Data a stage takes and gives, in words of its family. A warp's inputs say what it takes from the pose
+  /// latched for it: "rotation", "translation"; without them it shows the eye frame as it is.
+  std::vector<std::string> inputs, outputs;
   std::filesystem::path origin;                    // manifest or shared library; empty if compiled in
   std::filesystem::path glsl_source;               // the snippet of a GLSL stage; empty for a native one
   const brace_stage_descriptor* native = nullptr;  // not owned; null for a GLSL stage

@@ -22,7 +22,7 @@ int terminal_columns(std::FILE* stream) {
 
 std::string counts_text(const std::string& unit, std::uint64_t done, std::uint64_t total) {
   const std::string of = total == 0 ? std::string() : fmt::format("/{}", total);
-  return fmt::format("{}{}{}{}", done, of, unit.empty() ? "" : " ", unit);
+  return fmt::format("{}{} {}", done, of, unit);
 }
 
 int percent(std::uint64_t done, std::uint64_t total) {
@@ -47,11 +47,13 @@ std::string progress_bar_line(const std::string& what, const std::string& unit, 
                               std::uint64_t total, double elapsed_s, int columns) {
   std::string line;
   if (total == 0) {
-    line = fmt::format("{}  {}  {}", what, counts_text(unit, done, 0), duration_text(elapsed_s));
+    const std::string counts = unit.empty() ? "" : "  " + counts_text(unit, done, 0);
+    line = fmt::format("{}{}  {}", what, counts, duration_text(elapsed_s));
   } else {
     const std::string left = left_text(done, total, elapsed_s);
-    const std::string tail = fmt::format("  {:3} %  {}{}{}", percent(done, total),
-                                         counts_text(unit, done, total), left.empty() ? "" : "  ", left);
+    const std::string counts = unit.empty() ? "" : "  " + counts_text(unit, done, total);
+    const std::string tail =
+        fmt::format("  {:3} %{}{}{}", percent(done, total), counts, left.empty() ? "" : "  ", left);
     line = what + tail;
     const int room = std::min(30, columns - static_cast<int>(line.size()) - 4);
     if (room >= 5) {
@@ -66,8 +68,8 @@ std::string progress_bar_line(const std::string& what, const std::string& unit, 
 std::string progress_log_line(const std::string& what, const std::string& unit, std::uint64_t done,
                               std::uint64_t total, double elapsed_s) {
   const std::string left = left_text(done, total, elapsed_s);
-  return fmt::format("{}: {} % ({}){}{}", what, percent(done, total), counts_text(unit, done, total),
-                     left.empty() ? "" : ", ", left);
+  const std::string counts = unit.empty() ? "" : fmt::format(" ({})", counts_text(unit, done, total));
+  return fmt::format("{}: {} %{}{}{}", what, percent(done, total), counts, left.empty() ? "" : ", ", left);
 }
 
 ProgressMeter::ProgressMeter(std::string what, std::uint64_t total, std::string unit, std::FILE* stream)
@@ -89,7 +91,6 @@ double ProgressMeter::elapsed_s() const {
 }
 
 void ProgressMeter::look(std::uint64_t done) {
-  done_ = done;
   // The clock is read a thousand times over the whole at most, whatever the pace of the steps.
   look_at_ = done + std::max<std::uint64_t>(1, total_ / 1000);
   const double now_s = elapsed_s();
@@ -117,8 +118,8 @@ void ProgressMeter::finish() {
   if (line_open_) fmt::print(stream_, "\r\x1b[K");
   line_open_ = false;
   if (now_s < silent_s) return;
-  fmt::print(stream_, "{}: {} in {}\n", what_, counts_text(unit_, total_ == 0 ? done_ : total_, 0),
-             duration_text(now_s));
+  const std::string counts = unit_.empty() ? "done" : counts_text(unit_, done_, 0);
+  fmt::print(stream_, "{}: {} in {}\n", what_, counts, duration_text(now_s));
   std::fflush(stream_);
 }
 

@@ -12,13 +12,15 @@ namespace brace {
 /// ends within a second. Cheap enough for every vsync of a pacing replay.
 class ProgressMeter {
  public:
-  /// `what` stands before the bar ("casting"); total in `unit`s, 0 if not known. `stream` is not owned.
+  /// `what` stands before the bar ("casting"); total in `unit`s, 0 if not known. Without a
+  /// unit only the share is told, not the count. `stream` is not owned.
   ProgressMeter(std::string what, std::uint64_t total, std::string unit = "", std::FILE* stream = stderr);
   ~ProgressMeter();  // ends the terminal's line
   ProgressMeter(const ProgressMeter&) = delete;
   ProgressMeter& operator=(const ProgressMeter&) = delete;
 
   void update(std::uint64_t done) {
+    done_ = done;
     if (done >= look_at_) look(done);
   }
   /// The last line: "casting: 900 vsyncs in 12 s".

@@ -1,0 +1,115 @@
+#include "runtime/replay/replay.hpp"
+
+#include <chrono>
+#include <optional>
+#include <thread>
+
+#include <sys/resource.h>
+
+#include "base/error.hpp"
+#include "runtime/replay/prediction_table.hpp"
+#include "runtime/replay/series.hpp"
+#include "runtime/report/summary.hpp"
+
+namespace brace {
+
+namespace {
+
+double cpu_s(const rusage& usage) {
+  const auto seconds = [](const timeval& t) {
+    return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
+  };
+  return seconds(usage.ru_utime) + seconds(usage.ru_stime);
+}
+
+HostFigures host_figures(std::chrono::steady_clock::time_point begin, const gpu::Device* device) {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  HostFigures host;
+  host.wall_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  host.cpu_s = cpu_s(usage);
+  host.peak_rss_bytes = static_cast<std::uint64_t>(usage.ru_maxrss) * 1024;
+  host.facts.push_back({"device", device == nullptr ? "none used" : device->info().name});
+  if (device != nullptr) host.facts.push_back({"driver", device->info().driver});
+  host.facts.push_back({"threads", std::to_string(std::thread::hardware_concurrency())});
+  return host;
+}
+
+std::string trace_name(const Session& session, const HeadTrace& head_trace) {
+  return session.trace.neck ? head_trace.description : head_trace.trace.name();
+}
+
+std::vector<Fact> run_facts(const Session& session, const HeadTrace& head_trace, const Headset& headset,
+                            const Series& first) {
+  std::vector<Fact> facts = {
+      {"trace repairs", sim::describe(head_trace.repairs)},
+      {"eye pictures", fmt::format("{} x {} px", headset.eye.width_px, headset.eye.height_px)},
+      {"panels", fmt::format("{} x {} px", headset.panel.width_px, headset.panel.height_px)},
+      {"volume", std::filesystem::path(session.scene.volume).filename().string()},
+      {"transfer function", std::filesystem::path(session.scene.transfer_function).stem().string()},
+      {"assumed by the profile", headset.profile.assumed.empty()
+                                     ? "nothing"
+                                     : fmt::format("{} values", headset.profile.assumed.size())},
+      {"duplicate predictions", std::to_string(first.loop.duplicate_predictions)},
+      {"run ended by", first.loop.trace_ended ? "the trace" : "the number of vsyncs asked for"}};
+  facts.insert(facts.end(), first.facts.begin(), first.facts.end());
+  return facts;
+}
+
+ReportInput report_input(const std::vector<LabelledSession>& sessions, const std::vector<Series>& all,
+                         const Headset& headset, const HeadTrace& head_trace, const ReplayOptions& options) {
+  const Session& session = sessions.front().session;
+  ReportInput input;
+  input.version = options.version;
+  input.device = headset.profile.name;
+  input.refresh_hz = headset.profile.refresh.hz();
+  input.resolution_scale = session.device.resolution_scale;
+  input.trace = trace_name(session, head_trace);
+  input.clock = {"virtual", session.clock.queue, session.clock.cost, session.clock.cost_resolution};
+  if (session.clock.cost.rfind("recorded:", 0) == 0) {
+    // The folder differs between machines and must not make equal runs differ.
+    input.clock.cost = "recorded:" + std::filesystem::path(session.clock.cost.substr(9)).filename().string();
+  }
+  input.deterministic = true;
+  for (const Series& series : all) {
+    input.deterministic = input.deterministic && series.deterministic;
+    input.series.push_back({series.label, series.pipeline, series.left_out, series.records.frames(),
+                            series.jobs, series.pictures});
+  }
+  input.facts = run_facts(session, head_trace, headset, all.front());
+  input.tables.push_back(prediction_table(session, head_trace, headset));
+  input.session_toml = session.resolved_toml;
+  return input;
+}
+
+}  // namespace
+
+std::string replay(const std::vector<LabelledSession>& sessions, const ReplayOptions& options,
+                   const std::filesystem::path& destination) {
+  BRACE_CHECK(!sessions.empty());
+  const auto begin = std::chrono::steady_clock::now();
+  RunDirectory run(destination);
+  std::optional<gpu::Device> device;
+  std::optional<Headset> headset;
+  std::optional<HeadTrace> head_trace;
+  std::vector<Series> all;
+  for (const LabelledSession& labelled : sessions) {
+    if (!device && needs_device(labelled.session)) device.emplace(gpu::DeviceOptions{.select = options.gpu});
+    Headset own_headset = make_headset(labelled.session.device, options.data_folder);
+    HeadTrace own_trace = load_head_trace(labelled.session.trace, options.data_folder);
+    all.push_back(replay_series(labelled, options, own_headset, own_trace, device ? &*device : nullptr, run));
+    if (headset) continue;
+    headset.emplace(std::move(own_headset));
+    head_trace.emplace(std::move(own_trace));
+  }
+  ReportInput input = report_input(sessions, all, *headset, *head_trace, options);
+  input.host = host_figures(begin, device ? &*device : nullptr);
+  if (device && !device->validation_messages().empty()) {
+    throw device_error("the validation layers found a fault: {}", device->validation_messages().front());
+  }
+  write_run(run, input, options.data_folder / "report");
+  run.commit();
+  return summary_json(input);
+}
+
+}  // namespace brace

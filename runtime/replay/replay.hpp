@@ -1,0 +1,28 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "runtime/session/session.hpp"
+
+namespace brace {
+
+struct ReplayOptions {
+  std::filesystem::path data_folder;  // share/brace
+  std::string gpu;                    // the value of --gpu
+  std::string version;                // of Brace
+};
+
+/// A session of a run; a comparison has several, with different labels.
+struct LabelledSession {
+  std::string label;
+  Session session;
+};
+
+/// Replays the sessions and writes one run directory for all of them; the first one is the run's own. Returns
+/// the text of summary.json. Throws brace::Error; then there is no run directory.
+std::string replay(const std::vector<LabelledSession>& sessions, const ReplayOptions& options,
+                   const std::filesystem::path& destination);
+
+}  // namespace brace

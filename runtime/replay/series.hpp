@@ -1,0 +1,36 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "runtime/frame/frame_loop.hpp"
+#include "runtime/gpu/device.hpp"
+#include "runtime/replay/headset.hpp"
+#include "runtime/replay/replay.hpp"
+#include "runtime/report/report_input.hpp"
+#include "runtime/report/run_directory.hpp"
+
+namespace brace {
+
+/// What came of one session of a run; the report's series points into it.
+struct Series {
+  std::string label;
+  RunRecords records;
+  std::vector<JobRecord> jobs;  // by submission
+  std::vector<EyePicture> pictures;
+  std::vector<LeftOut> left_out;
+  std::vector<StageChoice> pipeline;
+  std::vector<Fact> facts;
+  bool deterministic = true;
+  FrameLoopResult loop;
+};
+
+/// Replays one session; pictures go into `run`. `device` is null when the session needs none.
+Series replay_series(const LabelledSession& labelled, const ReplayOptions& options, const Headset& headset,
+                     const HeadTrace& head_trace, const gpu::Device* device, RunDirectory& run);
+
+/// Whether a session renders anything, if only to count work.
+bool needs_device(const Session& session);
+
+}  // namespace brace

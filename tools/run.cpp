@@ -1,0 +1,79 @@
+#include <fmt/core.h>
+#include <nlohmann/json.hpp>
+
+#include "base/error.hpp"
+#include "runtime/replay/replay.hpp"
+#include "tools/command.hpp"
+
+namespace brace {
+
+namespace {
+
+Overrides overrides_of(const RunCommand& command) {
+  Overrides overrides;
+  for (const std::string& setting : command.set) {
+    const std::size_t equals = setting.find('=');
+    if (equals == std::string::npos) {
+      throw input_error("--set {}: accepted: KEY=VALUE, e.g. --set pipeline.warp=none", setting);
+    }
+    overrides.emplace_back(setting.substr(0, equals), setting.substr(equals + 1));
+  }
+  if (command.frames) overrides.emplace_back("run.frames", std::to_string(*command.frames));
+  if (command.seed) overrides.emplace_back("run.seed", std::to_string(*command.seed));
+  return overrides;
+}
+
+/// The session itself, or one per value of its [compare] section.
+std::vector<LabelledSession> sessions_of(const RunCommand& command, const StageRegistry& stages) {
+  const Overrides overrides = overrides_of(command);
+  Session session = read_session(command.session, overrides, stages);
+  if (!session.compare) return {{"", std::move(session)}};
+  std::vector<LabelledSession> sessions;
+  for (const std::string& value : session.compare->values) {
+    Overrides with_value = overrides;
+    with_value.emplace_back(session.compare->key, value);
+    sessions.push_back({value, read_session(command.session, with_value, stages)});
+  }
+  return sessions;
+}
+
+void print_headlines(const nlohmann::ordered_json& summary, const std::filesystem::path& out) {
+  const auto line = [](const char* name, const std::string& text) { fmt::print("  {:<22}{}\n", name, text); };
+  const auto number = [](const nlohmann::ordered_json& value, const char* format) {
+    return value.is_number() ? fmt::format(fmt::runtime(format), value.get<double>()) : std::string("-");
+  };
+  const auto percentiles = [&](const nlohmann::ordered_json& d) {
+    return fmt::format("p50 {}  p95 {}  p99 {}  max {} ms", number(d["p50"], "{:.2f}"),
+                       number(d["p95"], "{:.2f}"), number(d["p99"], "{:.2f}"), number(d["max"], "{:.2f}"));
+  };
+  line("vsyncs", fmt::format("{}, missed {} ({} %), longest stale run {}", summary["vsyncs"].dump(),
+                             summary["missed_vsyncs"].dump(),
+                             fmt::format("{:.2f}", 100.0 * summary["missed_ratio"].get<double>()),
+                             summary["longest_stale_run"].dump()));
+  line("motion-to-photon", "rotation    " + percentiles(summary["mtp_ms"]["rotation"]));
+  line("", "translation " + percentiles(summary["mtp_ms"]["translation"]));
+  line("eye frames", fmt::format("{} fps, 1 % low {} fps", number(summary["fps_avg"], "{:.1f}"),
+                                 number(summary["fps_1pct_low"], "{:.1f}")));
+  const auto& dssim = summary["dssim"];
+  line("DSSIM", fmt::format("mean {}  p95 {}  max {}", number(dssim["mean"], "{:.4f}"),
+                            number(dssim["p95"], "{:.4f}"), number(dssim["max"], "{:.4f}")));
+  line("report", (out / "report.html").string());
+}
+
+}  // namespace
+
+int run_command(const RunCommand& command) {
+  const StageRegistry stages = make_stage_registry();
+  const std::vector<LabelledSession> sessions = sessions_of(command, stages);
+  const std::filesystem::path out =
+      command.out.empty() ? std::filesystem::path("runs") / sessions.front().session.name : command.out;
+  const std::string summary = replay(sessions, {data_folder(), command.gpu, BRACE_VERSION}, out);
+  if (command.json) {
+    fmt::print("{}\n", summary);
+  } else {
+    print_headlines(nlohmann::ordered_json::parse(summary), out);
+  }
+  return static_cast<int>(ExitCode::done);
+}
+
+}  // namespace brace
