@@ -16,7 +16,7 @@ namespace brace {
 
 namespace {
 
-constexpr std::size_t missed_slices_max = 150;
+constexpr std::size_t missed_slices_max = 60;
 constexpr int histogram_bins = 40;
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
@@ -122,8 +122,8 @@ Json timeline(const RunSeries& series) {
   const std::int64_t origin_ns = series.records.front().vsync_ns;
   for (const FrameRecord& r : part) {
     const bool lit = r.photon_first_row_ns >= 0;
-    json["vsyncs"].push_back({r.vsync_index, ms_since(origin_ns, r.vsync_ns), r.missed ? 1 : 0,
-                              r.displayed_frame,
+    json["vsyncs"].push_back({r.vsync_index, ms_since(origin_ns, r.vsync_ns),
+                              r.missed && r.displayed_frame >= 0 ? 1 : 0, r.displayed_frame,
                               lit ? Json(ms_since(origin_ns, r.photon_first_row_ns)) : Json(),
                               lit ? Json(ms_since(origin_ns, r.photon_last_row_ns)) : Json()});
   }

@@ -31,15 +31,23 @@ function axis(title, more) {
     type: 'linear',
     title: {display: true, text: title},
     grid: {color: css('--grid'), drawTicks: false},
-    ticks: {maxRotation: 0, autoSkipPadding: 14, padding: 6},
+    ticks: {maxRotation: 0, autoSkipPadding: 14, padding: 6, includeBounds: false, callback: tickText},
   }, more);
+}
+
+// Every tick with the decimals that the step between ticks needs, so that 0.1 stands above 0.08 as 0.10.
+function tickText(value, index, ticks) {
+  const step = ticks.length > 1 ? Math.abs(ticks[1].value - ticks[0].value) : 1;
+  const decimals = [0, 1, 2, 3, 4, 5, 6].find((n) => Math.abs(step * 10 ** n - Math.round(step * 10 ** n)) < 1e-6);
+  return value.toFixed(decimals === undefined ? 6 : decimals);
 }
 
 function legendBelow(count) {
   return {
     display: count > 1,
     position: 'bottom',
-    labels: {color: css('--text'), usePointStyle: true, pointStyle: 'line', boxWidth: 28, padding: 12},
+    // Boxes without height are lines, dashed like the curve's.
+    labels: {color: css('--text'), boxWidth: 28, boxHeight: 0, padding: 12},
   };
 }
 
@@ -50,7 +58,7 @@ function lineDataset(line) {
     data: line.points.map(([x, y]) => ({x, y})),
     borderColor: line.colour,
     backgroundColor: line.colour,
-    borderWidth: 1.6,
+    borderWidth: line.points.length > 600 ? 1 : 1.6,
     borderDash: line.dashed ? [5, 3] : [],
     pointRadius: line.points.length < 40 ? 2 : 0,
     pointHitRadius: 6,
@@ -68,7 +76,7 @@ function drawLines(id, lines, options) {
       interaction: {mode: 'nearest', axis: 'x', intersect: false},
       scales: {
         x: axis(options.x, {min: options.xMin, max: options.xMax}),
-        y: axis(options.y, {beginAtZero: true, ticks: {padding: 6, maxTicksLimit: 7, callback: options.tick}}),
+        y: axis(options.y, {beginAtZero: true, ticks: {padding: 6, maxTicksLimit: 7, callback: tickText}}),
       },
       plugins: {
         legend: legendBelow(lines.length),
@@ -95,7 +103,7 @@ function drawBars(id, series, options) {
     options: {
       scales: {
         x: axis(options.x, {min: options.xMin, max: options.xMax, offset: false}),
-        y: axis(options.y, {beginAtZero: true, suggestedMax: options.yLeast, ticks: {padding: 6, maxTicksLimit: 6}}),
+        y: axis(options.y, {beginAtZero: true, suggestedMax: options.yLeast, ticks: {padding: 6, maxTicksLimit: 6, callback: tickText}}),
       },
       plugins: {
         legend: Object.assign(legendBelow(series.length), {labels: {color: css('--text'), boxWidth: 14, padding: 12}}),
@@ -130,7 +138,7 @@ const timelineMarks = {
     for (const mark of chart.options.marks) {
       const at = x.getPixelForValue(mark.t);
       if (at < area.left - 1 || at > area.right + 1) continue;
-      ctx.strokeStyle = mark.missed ? css('--missed') : css('--line');
+      ctx.strokeStyle = mark.missed ? css('--missed') : css('--vsync');
       ctx.setLineDash(mark.missed ? [] : [3, 3]);
       ctx.beginPath();
       ctx.moveTo(at, area.top - (mark.missed ? 4 : 0));

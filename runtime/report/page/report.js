@@ -181,7 +181,7 @@ function showPictures() {
 
 const lanes = ['ray casting', 'warp', 'scan-out'];
 let timelineChart = null;
-let timelineAt = 0;
+let timelineAt = -1;  // not chosen yet
 
 function spansBetween(spans, from, to) {
   return spans.filter(([start, end]) => end >= from && start <= to);
@@ -190,7 +190,7 @@ function spansBetween(spans, from, to) {
 function timelineBars(timeline, from, to) {
   const frameColour = (frame) => css(frame % 2 === 0 ? '--cast' : '--cast-other');
   const dark = document.documentElement.dataset.theme === 'dark';
-  const frameInk = (frame) => (frame % 2 === 0) === dark ? '#000' : frame % 2 === 0 ? '#fff' : dark ? '#fff' : '#000';
+  const frameInk = (frame) => (frame % 2 === 0) === dark ? '#000' : '#fff';
   const span = (start, end) => digits(end - start, 2) + ' ms, from ' + digits(start, 2) + ' ms';
   const bars = {};
   bars[lanes[0]] = spansBetween(timeline.casts, from, to).map(([start, end, frame]) => ({
@@ -226,14 +226,23 @@ function drawTimelineAt(at) {
   return 'from vsync ' + vsyncs[at][0];
 }
 
+// Where to look first: just before the longest run of missed vsyncs, or at the start if there is none.
+function beforeWorst(vsyncs) {
+  let longest = 0, at = 0, run = 0;
+  vsyncs.forEach((v, i) => {
+    run = v[2] === 1 ? run + 1 : 0;
+    if (run > longest) [longest, at] = [run, i - run + 1];
+  });
+  return Math.max(0, at - 3);
+}
+
 function showTimeline() {
   const timeline = data.series[chosen].timeline;
   const vsyncs = timeline.vsyncs;
   const steps = byId('timeline-steps');
-  if (!vsyncs.length) {
-    byId('timeline-note').textContent = 'No vsync was recorded.';
-    return;
-  }
+  const empty = vsyncs.every((v) => v[4] === null) && !timeline.casts.length && !timeline.warps.length;
+  byId('timeline-card').hidden = empty && !several;
+  if (empty) return;
   const controls = stepper(steps, vsyncs.length, narrow() ? 4 : 10, 'vsyncs', drawTimelineAt);
   const missed = element('button', 'Next missed');
   missed.type = 'button';
@@ -244,7 +253,7 @@ function showTimeline() {
     controls.go(Math.max(0, (found < 0 ? next(-1) : found) - 2));
   });
   steps.append(missed);
-  controls.go(Math.min(timelineAt, vsyncs.length - 1));
+  controls.go(Math.min(timelineAt < 0 ? beforeWorst(vsyncs) : timelineAt, vsyncs.length - 1));
   byId('timeline-note').textContent = 'The bars of an eye frame and of the scan-outs that show it have the same ' +
     'number and shade; neighbouring frames differ in shade. Hover over a bar for its times. ' +
     (timeline.total > vsyncs.length
@@ -255,7 +264,7 @@ function showTimeline() {
 
 function showTimelineLegend() {
   const entries = [['--cast', 'eye frame: ray casting, then scan-out'], ['--warp', 'warp and distortion'],
-    ['--missed', '✕ missed vsync'], ['--line', 'vsync']];
+    ['--missed', '✕ missed vsync'], ['--vsync', 'vsync']];
   byId('timeline-legend').replaceChildren(...entries.map(([colour, text]) => {
     const item = element('li');
     const swatch = element('i');
@@ -291,10 +300,18 @@ function curves(fields) {
 }
 
 function drawCurve(id, fields, title, tip) {
-  drawLines(id, curves(fields), Object.assign({y: title, tip, xMin: 0, xMax: runSeconds()}, timeAxis));
+  const lines = curves(fields);
+  byId(id).closest('.card').hidden = lines.length === 0;
+  if (lines.length) drawLines(id, lines, Object.assign({y: title, tip, xMin: 0, xMax: runSeconds()}, timeAxis));
 }
 
 function drawMissed() {
+  const none = data.series.every((s) => s.figures.missed_vsyncs === 0);
+  byId('missed-box').hidden = none;
+  if (none) {
+    byId('missed-note').textContent = 'No vsync was missed.';
+    return;
+  }
   const series = data.series.map((s, i) => ({
     label: several ? s.label : 'missed', points: s.missed.slices,
     colour: several ? seriesColour(i) : css('--missed'),
@@ -313,6 +330,8 @@ function drawHistogram(id, histogram, labels, dashedFrom, unit) {
     points: share.some((s) => s > 0) ? histogramPoints({from: histogram.from, width: histogram.width, share}) : [],
     colour: seriesColour(several ? i % data.series.length : i), dashed: i >= dashedFrom,
   })).filter((line) => line.points.length);
+  byId(id).closest('.card').hidden = lines.length === 0;
+  if (!lines.length) return;
   drawLines(id, lines, {
     x: unit, y: 'vsyncs, %',
     tipTitle: (x) => 'near ' + digits(x) + ' ms (bins of ' + digits(histogram.width) + ' ms)',
@@ -379,8 +398,6 @@ function showTables() {
 }
 
 function showNotes() {
-  const compared = data.series.some((s) => s.figures.dssim.count > 0);
-  byId('dssim-card').hidden = !compared;
   byId('dssim-note').textContent = 'DSSIM (0: equal) of the picture on the panel against an ideal one at the true ' +
     'pose at photon time: 8×8 windows, mean of red, green and blue, visible pixels only.';
   const longest = Math.max(...data.series.map((s) => s.timeline.total));
