@@ -147,9 +147,9 @@ void apply_geometry(const nifti_1_header& header, const std::string& where, Volu
   const std::unique_ptr<nifti_image, decltype(&nifti_image_free)> image(
       nifti_convert_nhdr2nim(header, nullptr), &nifti_image_free);
   if (!image) throw input_error("{}: nifticlib does not accept the header", where);
-  const std::array<float, 3> spacing{image->dx, image->dy, image->dz};
+  // The file's own numbers: the library reads what is not finite as 0.
   for (std::size_t axis = 0; axis < 3; ++axis) {
-    const double length = std::abs(static_cast<double>(spacing[axis]));
+    const double length = std::abs(static_cast<double>(header.pixdim[axis + 1]));
     info.spacing[axis] = length == 0 ? 1.0 : checked_spacing(length, where + ": pixdim");  // 0: not stated
   }
   info.spacing_unit = unit_name(image->xyz_units);

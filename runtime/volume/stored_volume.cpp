@@ -62,7 +62,8 @@ std::uint64_t checked_data_offset(StoredVolume& stored) {
   const bool deflated = stored.encoding == Encoding::deflated;
   const std::uint64_t most = deflated ? max_inflated_bytes(present) : present;
   if (most < stored.skip_bytes || most - stored.skip_bytes < needed)
-    throw_truncated(stored, present, deflated ? "of data, more than the file can unpack to" : "of data");
+    throw_truncated(stored, deflated ? present : present - std::min(present, stored.skip_bytes),
+                    deflated ? "of data, more than the file can unpack to" : "of data");
   if (!deflated && stored.exact_size && present - stored.skip_bytes != needed)
     throw input_error("{}: the data has {} bytes where {} x {} x {} voxels of {} bytes need {}",
                       stored.data_file.string(), present - stored.skip_bytes, stored.info.dims[0],

@@ -60,7 +60,7 @@ struct TransferFunction {
 /// Largest absorption accepted, per voxel length or per metre.
 inline constexpr double kappa_limit = 1e12;
 
-/// Optical depth that stands for opacity 1: 24 ln 2, where 1 - exp(-tau) rounds to 1 in fp32.
+/// Optical depth that stands for opacity 1: 24 ln 2, where 1 - exp(-tau) is the largest fp32 number below 1.
 inline constexpr double opaque_optical_depth = 16.635532333438686;
 
 /// kappa = -log1p(-opacity) / reference_length; opacity 1 and what comes near it is clamped to

@@ -11,7 +11,7 @@ using Vector = std::array<double, 3>;
 
 constexpr std::uint64_t seed = 0x9e3779b97f4a7c15;
 constexpr double trunk_length = 0.21;
-constexpr double trunk_radius = 0.022;
+constexpr double trunk_radius = 0.038;
 constexpr double length_ratio = 0.84;
 constexpr double radius_ratio = 0.794;  // Murray's law for two equal branches: 2^(-1/3)
 constexpr int generations = 11;
