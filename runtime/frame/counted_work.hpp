@@ -10,8 +10,8 @@ namespace brace {
 /// Counted work at a time of the run, from a probe rendered there.
 struct WorkProbe {
   SimTime time;
-  WorkCounts cast;
-  WorkCounts warp;
+  WorkCounts cast{};
+  WorkCounts warp{};
 };
 
 /// FrameWork without pixels, for pacing-only replays: counts are interpolated linearly between probes

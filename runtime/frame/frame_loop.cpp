@@ -63,6 +63,8 @@ struct Loop {
   double quality = 1.0;
   std::uint32_t missed_since_control = 0;
   std::int32_t stale_run = 0;
+  std::int64_t next_latch_vsync = 0;   // the vsync that the next warp latches for
+  std::int64_t front_seen_vsync = -1;  // that the front buffer was first latched for; -1: not yet
   std::int64_t last_predicted_vsync = -1;
   FrameLoopResult result;
 };
@@ -118,19 +120,27 @@ void submit(Loop& loop, JobKind kind, std::int64_t index, const JobOutcome& outc
   expect_gpu_change(loop);
 }
 
+/// The vsync where the newest finished frame is seen first, as known now; -1 if there is none.
+std::int64_t claimed_vsync(const Loop& loop) {
+  if (!loop.front) return -1;
+  return loop.front_seen_vsync >= 0 ? loop.front_seen_vsync : loop.next_latch_vsync;
+}
+
 /// The vsync where a frame started now is expected to be seen first.
-std::int64_t expected_vsync(const Loop& loop) {
-  const SimTime done = loop.events.now() + loop.cast_durations.mean_or(period_of(loop));
-  const std::int64_t vsync = loop.clock.first_at_or_after(done + warp_lead(loop));
-  return loop.config.pace == Pace::vsync ? std::max(vsync, loop.last_predicted_vsync + 1) : vsync;
+std::int64_t expect_vsync(Loop& loop) {
+  const SimTime done = loop.events.now() + loop.cast_durations.mean_or(SimDuration(0));
+  std::int64_t vsync = loop.clock.first_at_or_after(done + warp_lead(loop));
+  const std::int64_t claimed = claimed_vsync(loop);
+  if (loop.config.pace == Pace::vsync) vsync = std::max(vsync, claimed + 1);
+  if (vsync <= claimed) ++loop.result.duplicate_predictions;
+  if (vsync <= loop.last_predicted_vsync) ++loop.result.revised_predictions;
+  loop.last_predicted_vsync = vsync;
+  return vsync;
 }
 
 void start_eye_frame(Loop& loop) {
   const SimTime now = loop.events.now();
-  const std::int64_t vsync = expected_vsync(loop);
-  if (vsync <= loop.last_predicted_vsync) ++loop.result.duplicate_predictions;
-  loop.last_predicted_vsync = std::max(loop.last_predicted_vsync, vsync);
-
+  const std::int64_t vsync = expect_vsync(loop);
   const std::span<const brace_tracker_sample> readings = loop.inputs.head.readings(now);
   const SimTime target = photon_mid(loop, vsync);
   EyeFrame eye;
@@ -170,6 +180,7 @@ void latch_warp(Loop& loop, std::int64_t vsync) {
                                                     .warp_world_from_head = image.warp_world_from_head,
                                                     .start = now});
   loop.next = image;
+  if (loop.front_seen_vsync < 0) loop.front_seen_vsync = vsync;
   ++loop.result.warps;
   submit(loop, JobKind::warp, vsync, outcome);
 }
@@ -199,6 +210,7 @@ void finish_cast(Loop& loop, const JobRecord& job) {
   loop.front = loop.casting;
   loop.front->start_ns = job.start_ns;
   loop.front->done_ns = job.end_ns;
+  loop.front_seen_vsync = -1;
   loop.casting.reset();
   ++loop.result.eye_frames_finished;
   loop.cast_durations.add(SimDuration(job.end_ns - job.submit_ns));
@@ -293,6 +305,7 @@ void show_vsync(Loop& loop, std::int64_t vsync) {
 void on_vsync(Loop& loop, std::int64_t vsync) {
   show_vsync(loop, vsync);
   if (vsync + 1 == loop.vsync_count) return;
+  loop.next_latch_vsync = vsync + 1;
   // schedule/whole_frame: one job per eye frame. A chunked schedule submits its cells here instead.
   const bool starts = vsync == 0 || (loop.config.pace == Pace::vsync && !loop.casting);
   if (starts) start_eye_frame(loop);

@@ -76,9 +76,13 @@ struct FrameLoopResult {
   std::int64_t eye_frames_started = 0;
   std::int64_t eye_frames_finished = 0;
   std::int64_t warps = 0;
-  /// Eye frames whose pose was predicted for a vsync that an earlier frame's was predicted for. Always 0 with
-  /// Pace::vsync; with Pace::free frames faster than the display share vsyncs.
+  /// Eye frames whose pose was predicted for a vsync at which, as was known when they were started, the frame
+  /// before them is seen. Always 0 with Pace::vsync; with Pace::free frames faster than the display share
+  /// vsyncs.
   std::int64_t duplicate_predictions = 0;
+  /// Eye frames predicted for a vsync not later than the frame before them was predicted for: that one was
+  /// done sooner than expected and seen earlier (a load that drops). 0 under steady load.
+  std::int64_t revised_predictions = 0;
   std::uint64_t events = 0;  // of the timeline: host work is proportional to it
 };
 
@@ -86,8 +90,8 @@ struct FrameLoopResult {
 ///
 /// Eye frames. At its start a frame takes the newest tracker readings and is cast from the pose predicted for
 /// the middle of the photons of the vsync where it is expected to be seen first: start + mean of the last 8
-/// frame durations (before the first: a period), the first vsync whose warp latches after that, and with
-/// Pace::vsync a later one than for the frame before. When the GPU has finished it, it is the front buffer.
+/// frame durations (nothing before the first), the first vsync whose warp latches after that, and with
+/// Pace::vsync later than the one where the frame before is seen. Finished by the GPU it is the front buffer.
 ///
 /// Display. A lead before vsync k the warp takes the newest finished eye frame and, if it uses a pose, the
 /// newest readings, predicted for the middle of vsync k's photons. Done by the vsync, its image is scanned

@@ -41,7 +41,7 @@ struct ShowRequest {
 /// `device_time` is what the device at hand measured (zero if nothing ran); only the `measured` cost source
 /// looks at it.
 struct JobOutcome {
-  WorkCounts work;
+  WorkCounts work{};
   SimDuration device_time{0};
 };
 

@@ -8,7 +8,7 @@ HeadMotion::HeadMotion(const sim::PoseTrace& trace, sim::Interpolation interpola
                        const sim::TrackerModel& tracker, std::uint64_t seed, bool loop, SimTime start)
     : trace_(trace),
       interpolation_(interpolation),
-      tracker_(trace, tracker, seed),
+      tracker_(trace, tracker, seed, {.interpolation = interpolation}),
       loop_(loop),
       run_from_trace_(-start.time_since_epoch()) {
   if (start < trace.begin_time() || start > trace.end_time()) {
@@ -33,8 +33,8 @@ SimTime HeadMotion::end_time() const {
   return loop_ ? SimTime::max() : trace_.end_time() + run_from_trace_;
 }
 
-bool HeadMotion::valid_at(SimTime time) const {
-  return trace_.valid_at(fold(time).trace_time);
+bool HeadMotion::valid_at(SimTime time) {
+  return trace_.valid_at(fold(time).trace_time, hint_);
 }
 
 Pose HeadMotion::true_pose(SimTime time) {

@@ -28,7 +28,7 @@ class HeadMotion {
   /// The run time after which there are no true poses; SimTime::max() if looping.
   SimTime end_time() const;
   /// False in a gap of the trace and outside it.
-  bool valid_at(SimTime time) const;
+  bool valid_at(SimTime time);
   Pose true_pose(SimTime time);
   /// The tracker's readings known at `now`, oldest first, never empty. Valid until the next call.
   std::span<const brace_tracker_sample> readings(SimTime now);

@@ -40,7 +40,7 @@ CostModel find_cost_model(const std::filesystem::path& folder, const std::string
 /// A measured job to fit a model to.
 struct CostSample {
   JobKind kind = JobKind::cast;
-  WorkCounts work;
+  WorkCounts work{};
   SimDuration time{0};
 };
 

@@ -17,7 +17,7 @@ struct CostQuery {
   JobKind kind = JobKind::cast;
   std::int64_t index = 0;      // eye frame or vsync
   SimDuration elapsed{0};      // submission, since the run's start
-  WorkCounts work;             // as rendered
+  WorkCounts work{};           // as rendered
   SimDuration device_time{0};  // measured on the device at hand; zero if nothing ran
 };
 

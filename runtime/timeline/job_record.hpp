@@ -36,7 +36,7 @@ struct JobRecord {
   std::int64_t end_ns = -1;       // -1 if the run ended before
   std::int64_t preempted_ns = 0;  // between start and end, but not working on this job
   std::int64_t cost_ns = 0;       // from the cost source
-  WorkCounts work;
+  WorkCounts work{};
 
   bool operator==(const JobRecord&) const = default;
 };

@@ -28,7 +28,7 @@ struct GpuJob {
   JobKind kind = JobKind::cast;
   std::int64_t index = 0;
   SimDuration cost{0};
-  WorkCounts work;
+  WorkCounts work{};
 };
 
 /// Executes jobs in simulated time. It owns no clock: the caller tells it the time with every call, in
