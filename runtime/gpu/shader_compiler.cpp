@@ -65,15 +65,20 @@ std::string preamble_of(const KernelDescription& kernel) {
 }
 
 // "ERROR: name:12: what" -> "name:12: what"; drops the summary lines.
+// After the first error the parser loses its way: what it then says of other files, such as the kernel around
+// an author's snippet, is no help.
 std::string tidy_log(const char* log) {
   std::istringstream lines(log);
-  std::string text, line;
+  std::string text, line, first_file;
   while (std::getline(lines, line)) {
     constexpr std::string_view prefix = "ERROR: ";
     if (line.starts_with(prefix)) line.erase(0, prefix.size());
     while (!line.empty() && line.back() == ' ')
       line.pop_back();
     if (line.empty() || line.find("compilation errors.") != std::string::npos) continue;
+    const std::string file = line.substr(0, line.find(':'));
+    if (first_file.empty()) first_file = file;
+    if (file != first_file || line.find("compilation terminated") != std::string::npos) continue;
     text += "\n  " + line;
   }
   return text;
@@ -109,7 +114,7 @@ std::vector<std::uint32_t> compile_sources(const KernelDescription& kernel, cons
   Includer includer(closure);
   const auto messages = static_cast<EShMessages>(EShMsgSpvRules | EShMsgVulkanRules);
   if (!shader.parse(GetDefaultResources(), 460, ECoreProfile, false, false, messages, includer))
-    throw input_error("{}: the shader does not compile:{}", kernel.main.name, tidy_log(shader.getInfoLog()));
+    throw input_error("the shader does not compile:{}", tidy_log(shader.getInfoLog()));
   glslang::TProgram program;
   program.addShader(&shader);
   if (!program.link(messages))

@@ -1,4 +1,4 @@
-/* What every kernel knows of one eye in one frame. One text for C++ and GLSL (std140: only vec4 and uvec4).
+/* What every kernel knows of one eye in one frame. One text for C, C++ and GLSL (std140: only vec4 and uvec4).
  *
  * Voxel coordinates: the volume's box is [0, dims]; voxel (i, j, k) has its value at (i, j, k) + 0.5; the
  * values beyond the outermost voxel centres are those of the edge.
@@ -12,6 +12,10 @@
 #define BRACE_VEC4(name) float name[4]
 #define BRACE_UVEC4(name) std::uint32_t name[4]
 namespace brace {
+#elif defined(__STDC__)
+#include <stdint.h>
+#define BRACE_VEC4(name) float name[4]
+#define BRACE_UVEC4(name) uint32_t name[4]
 #else
 #define BRACE_VEC4(name) vec4 name
 #define BRACE_UVEC4(name) uvec4 name
@@ -27,7 +31,7 @@ struct BraceEyeParams {
   BRACE_VEC4(value);           /* value = raw * x + y: what the volume's texels mean in the data's units */
   BRACE_VEC4(transfer);        /* table coordinate = value * x + y; z: last entry; w: empty up to here */
   BRACE_UVEC4(grid);           /* xy: rays across and down; zw: pixels of the eye image across and down */
-  BRACE_UVEC4(texel_grid);     /* x: texels per row, y: texels per slice of a packed volume */
+  BRACE_UVEC4(texel_grid);     /* packed volume: x: texels per row, y: per slice; zw: see brace_is_empty */
 };
 
 /* The part of the ray grid, or of the eye image in the closing brace, that one dispatch works on. */
@@ -35,6 +39,9 @@ struct BraceArea {
 #ifdef __cplusplus
   std::uint32_t origin[2];
   std::uint32_t size[2];
+#elif defined(__STDC__)
+  uint32_t origin[2];
+  uint32_t size[2];
 #else
   uvec2 origin;
   uvec2 size;
