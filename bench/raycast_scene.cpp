@@ -8,14 +8,15 @@ namespace brace::bench {
 
 namespace {
 
-/// v = 255 clamp(ball + coarse texture + fine texture), each texture a sum of products of sines, which need one
-/// table per axis and frequency only.
+/// v = 255 clamp(ball + coarse texture + fine texture), each texture a sum of products of sines, which need
+/// one table per axis and frequency only.
 class SceneVolume final : public VolumeSource {
  public:
   explicit SceneVolume(int edge) : VolumeSource(make_info(edge)) {
     for (int i = 0; i < edge; ++i) {
       const double x = (2.0 * i + 1.0) / edge - 1.0;
-      axis_.push_back({x, std::sin(9.0 * x), std::cos(9.0 * x), std::sin(31.0 * x + 1.0), std::cos(31.0 * x + 1.0)});
+      axis_.push_back(
+          {x, std::sin(9.0 * x), std::cos(9.0 * x), std::sin(31.0 * x + 1.0), std::cos(31.0 * x + 1.0)});
     }
   }
 
@@ -33,7 +34,8 @@ class SceneVolume final : public VolumeSource {
 
   static std::byte voxel(const Place& a, const Place& b, const Place& c) {
     const double radius = std::sqrt(a.x * a.x + b.x * b.x + c.x * c.x);
-    const double coarse = a.sin_coarse * b.cos_coarse + b.sin_coarse * c.cos_coarse + c.sin_coarse * a.cos_coarse;
+    const double coarse =
+        a.sin_coarse * b.cos_coarse + b.sin_coarse * c.cos_coarse + c.sin_coarse * a.cos_coarse;
     const double fine = a.sin_fine * b.cos_fine + b.sin_fine * c.cos_fine + c.sin_fine * a.cos_fine;
     const double value = 1.55 * (0.655 - radius) + 0.3 * coarse + 0.1 * fine;
     return static_cast<std::byte>(std::lround(255.0 * std::clamp(value, 0.0, 1.0)));
@@ -43,7 +45,8 @@ class SceneVolume final : public VolumeSource {
     std::size_t at = 0;
     for (int z = z_begin; z < z_begin + z_count; ++z) {
       for (const Place& y : axis_) {
-        for (const Place& x : axis_) out[at++] = voxel(x, y, axis_[static_cast<std::size_t>(z)]);
+        for (const Place& x : axis_)
+          out[at++] = voxel(x, y, axis_[static_cast<std::size_t>(z)]);
       }
     }
   }
@@ -51,7 +54,8 @@ class SceneVolume final : public VolumeSource {
   std::vector<Place> axis_;
 };
 
-TransferFunction ramp(const char* name, double visible_above, const TransferSample& low, const TransferSample& high) {
+TransferFunction ramp(const char* name, double visible_above, const TransferSample& low,
+                      const TransferSample& high) {
   TransferFunction function;
   function.name = name;
   function.source = "benchmark scene";
@@ -63,7 +67,9 @@ TransferFunction ramp(const char* name, double visible_above, const TransferSamp
 
 }  // namespace
 
-std::unique_ptr<VolumeSource> open_scene_volume(int edge) { return std::make_unique<SceneVolume>(edge); }
+std::unique_ptr<VolumeSource> open_scene_volume(int edge) {
+  return std::make_unique<SceneVolume>(edge);
+}
 
 RaycastScene make_raycast_scene(int width_px, int height_px) {
   RaycastScene scene;

@@ -78,8 +78,8 @@ void CastPipeline::set_eye(const gpu::Device& device, const EyeTarget& target, c
                            const TransferOnDevice& transfer) {
   BRACE_CHECK(eye.width_px == target.width_px && eye.height_px == target.height_px);
   BraceEyeParams params = eye_params(eye, volume.info(), placement);
-  volume.describe(params);
   transfer.describe(params);
+  volume.describe(params);
   gpu::upload_values(device, target.params, std::span<const BraceEyeParams>(&params, 1));
 }
 

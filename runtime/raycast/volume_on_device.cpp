@@ -1,6 +1,7 @@
 #include "runtime/raycast/volume_on_device.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <cstring>
 
 #include "base/error.hpp"
@@ -83,6 +84,21 @@ VolumePathChoice choose_automatically(const VolumeInfo& volume, const gpu::Devic
   }
   return {VolumePath::packed,
           "packed: a software device gathers 32-bit texels faster than it filters images"};
+}
+
+/// The threshold of the byte-wise test in brace_is_empty: voxels up to it are invisible. A byte b exceeds the
+/// threshold h when the top bit of (b & 127) + (127 - (h & 127)) says so for the lower seven bits, together
+/// with b's own top bit: either of them for h < 128 (the mask w), both for h >= 128.
+void describe_emptiness(BraceEyeParams& params) {
+  const float highest = std::floor((params.transfer[3] - params.transfer[1]) / params.transfer[0]);
+  if (highest < 0.0f) {  // nothing is empty: every sum has its top bit set
+    params.texel_grid[2] = 0x80808080u;
+    params.texel_grid[3] = ~0u;
+    return;
+  }
+  const auto threshold = static_cast<std::uint32_t>(std::min(highest, 255.0f));
+  params.texel_grid[2] = 0x01010101u * (127u - (threshold & 127u));
+  params.texel_grid[3] = threshold < 128u ? ~0u : 0u;
 }
 
 }  // namespace
@@ -199,6 +215,7 @@ void VolumeOnDevice::describe(BraceEyeParams& params) const {
   const PackedLayout layout(info_);
   params.texel_grid[0] = layout.row_texels;
   params.texel_grid[1] = static_cast<std::uint32_t>(layout.slice_texels);
+  if (info_.type == VoxelType::uint8) describe_emptiness(params);
 }
 
 }  // namespace brace

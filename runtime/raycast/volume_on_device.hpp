@@ -59,7 +59,7 @@ class VolumeOnDevice {
   /// The volume as a kernel binds it; valid as long as this object stays where it is.
   gpu::Binding binding(std::uint32_t slot) const;
 
-  /// Fills value and texel_grid.
+  /// Fills value and texel_grid; transfer must be filled already.
   void describe(BraceEyeParams& params) const;
 
  private:

@@ -5,9 +5,27 @@
 // Samples lie on the lattice t_i = (i + 1/2) step from the ray's entry, recomputed from the integer i: leaping
 // over transparent samples changes no bit of the others. The last segment is cut at the exit; its sample is
 // its own midpoint and its optical depth is scaled by its length.
+#extension GL_KHR_shader_subgroup_vote : require
+
 #include "brace/shade.glsl"
 #include "brace/transfer_function.glsl"
 #include "brace/volume.glsl"
+
+struct DvrSample {
+  float part;  // of a full step; below 1 for the last one
+  float t;     // units from the entry
+  vec3 voxel;
+  BraceCell cell;
+};
+
+DvrSample dvr_sample(BraceRay ray, float segments, int i) {
+  DvrSample at;
+  at.part = min(segments - float(i), 1.0);
+  at.t = (float(i) + 0.5 * at.part) * cast_step_voxels;
+  at.voxel = ray.entry + at.t * ray.direction;
+  at.cell = brace_fetch(at.voxel);
+  return at;
+}
 
 void brace_cast(BraceRay ray, inout BraceResult result) {
   BRACE_COUNTERS_DECLARE
@@ -19,18 +37,24 @@ void brace_cast(BraceRay ray, inout BraceResult result) {
   brace_emit_begin(ray);
   int i = 0;
   while (i < count) {
-    const float part = min(segments - float(i), 1.0);
-    const float t = (float(i) + 0.5 * part) * cast_step_voxels;
-    const vec3 voxel = ray.entry + t * ray.direction;
-    const float coordinate = brace_transfer_coordinate(brace_volume_inside(voxel));
-    BRACE_COUNT(samples, 1u);
-    float x = 0.0;
-    if (coordinate > brace_eye.transfer.w) x = part * brace_optical_depth(coordinate);
+    // While nothing is visible to any ray of the subgroup: a software device runs masked branches in full, but
+    // leaves a loop early. The sample is fetched again after it, which costs less than keeping it in the loop.
+    while (i < count) {
+      const DvrSample ahead = dvr_sample(ray, segments, i);
+      if (!subgroupAll(brace_is_empty(ahead.cell))) break;
+      BRACE_COUNT_VISIT;
+      BRACE_NEXT_SAMPLE(ray, ahead.voxel, i, cast_step_voxels);
+    }
+    if (i >= count) break;
+    const DvrSample here = dvr_sample(ray, segments, i);
+    BRACE_COUNT_VISIT;
+    const float coordinate = brace_transfer_coordinate(brace_value(here.cell));
+    const float x = here.part * brace_optical_depth(coordinate);
     if (x > 0.0) {
-      result.depth = min(result.depth, t);
-      const vec3 sample_colour = brace_shade(ray, voxel, brace_transfer_colour(coordinate));
+      result.depth = min(result.depth, here.t);
+      const vec3 sample_colour = brace_shade(ray, here.voxel, brace_transfer_colour(coordinate));
       BRACE_COUNT(shading_fetches, BRACE_SHADE_FETCHES);
-      brace_emit_segment(ray, float(i) * cast_step_voxels, (float(i) + part) * cast_step_voxels, sample_colour, x);
+      brace_emit_segment(ray, float(i) * cast_step_voxels, (float(i) + here.part) * cast_step_voxels, sample_colour, x);
       depth += x;
       const float left = exp2(-depth);
       colour += (transmittance - left) * sample_colour;
@@ -38,11 +62,12 @@ void brace_cast(BraceRay ray, inout BraceResult result) {
       i += 1;
       if (cast_termination_opacity < 1.0 && transmittance <= 1.0 - cast_termination_opacity) break;
     } else {
-      BRACE_NEXT_SAMPLE(ray, voxel, i, cast_step_voxels);
+      BRACE_NEXT_SAMPLE(ray, here.voxel, i, cast_step_voxels);
     }
   }
   brace_emit_end(ray, min(float(i) * cast_step_voxels, ray.extent));
   const float opacity = clamp(1.0 - transmittance, 0.0, 1.0);
   result.colour = vec4(clamp(colour, vec3(0.0), vec3(opacity)), opacity);
+  BRACE_COUNT_VISITED(i);
   BRACE_COUNTERS_COMMIT;
 }

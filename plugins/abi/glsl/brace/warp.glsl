@@ -1,0 +1,29 @@
+// For warp stages. A stage gives
+//   vec2 brace_warp_source(vec2 tan_xy)
+// From the direction (tan_xy, -1) in the new eye frame to tangents in the eye frame that the source picture was
+// rendered with; BRACE_NO_SOURCE where that picture shows nothing. It is called per pixel and channel. A stage
+// that changes nothing says so with #define BRACE_WARP_IDENTITY, and its cost is left out.
+#ifndef BRACE_WARP_GLSL
+#define BRACE_WARP_GLSL
+
+#include "brace/display_params.h"
+
+#define BRACE_SLOT_DISPLAY 0       // uniform: BraceDisplayParams
+#define BRACE_SLOT_SOURCE_IMAGE 1  // texel buffer: a uint per pixel, premultiplied RGBA8, r lowest
+#define BRACE_SLOT_PANEL_IMAGE 2   // storage: the same, four pixels at a time
+#define BRACE_SLOT_PANEL_TILES 3   // texel buffer: visible tiles, column in the low and row in the high 16 bits
+#define BRACE_SLOT_DISPLAY_COUNTERS 4
+// 5 … 15 belong to the warp stage.
+
+layout(std140, set = 0, binding = BRACE_SLOT_DISPLAY) uniform BraceDisplayBlock { BraceDisplayParams brace_display; };
+
+// Finite, and far outside every picture.
+#define BRACE_NO_SOURCE vec2(1e9)
+
+// A point given in the new eye frame, in the eye frame of the source picture, metres.
+vec3 brace_old_from_new(vec3 point_m) {
+  return brace_display.old_from_new[0].xyz * point_m.x + brace_display.old_from_new[1].xyz * point_m.y +
+         brace_display.old_from_new[2].xyz * point_m.z + brace_display.old_from_new[3].xyz;
+}
+
+#endif
