@@ -125,8 +125,8 @@ std::string result_text(VkResult result) {
 void check_vk(VkResult result, const DeviceContext& context, const std::string& what) {
   if (result >= 0) return;
   if (result == VK_ERROR_DEVICE_LOST)
-    throw device_error("{}: device lost while trying to {}; the driver has reset or removed it",
-                       context.info.name, what);
+    throw DeviceLost(fmt::format("{}: device lost while trying to {}; the driver has reset or removed it",
+                                 context.info.name, what));
   throw device_error("{}: cannot {}: {}", context.info.name, what, result_text(result));
 }
 

@@ -5,7 +5,15 @@
 #include <string>
 #include <vector>
 
+#include "base/error.hpp"
+
 namespace brace::gpu {
+
+/// The driver has reset or removed the device: nothing made from it works any more. Exit code 3.
+class DeviceLost : public Error {
+ public:
+  explicit DeviceLost(const std::string& message) : Error(ExitCode::device_or_plugin_failed, message) {}
+};
 
 enum class DeviceType { discrete, integrated, virtual_gpu, software, other };
 

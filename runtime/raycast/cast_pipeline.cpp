@@ -48,7 +48,7 @@ EyeTarget::EyeTarget(const gpu::Device& device, int width, int height)
       depth_texels(device, depth, gpu::Format::r32_float),
       params(device, "eye parameters", sizeof(BraceEyeParams), gpu::Memory::upload) {}
 
-RayBuffers::RayBuffers(const gpu::Device& device, int across_rays, int down_rays)
+RayBuffers::RayBuffers(const gpu::Device& device, int across_rays, int down_rays, std::uint64_t guard_bytes)
     : across(across_rays), down(down_rays) {
   const std::uint64_t rays = pixels(across, down);
   const std::uint64_t bytes_max = device.limits().storage_buffer_bytes_max;
@@ -60,8 +60,8 @@ RayBuffers::RayBuffers(const gpu::Device& device, int across_rays, int down_rays
   }
   entries = gpu::Buffer(device, "ray entries", rays * 16, gpu::Memory::device);
   directions = gpu::Buffer(device, "ray directions", rays * 16, gpu::Memory::device);
-  colours = gpu::Buffer(device, "ray colours", rays * 16, gpu::Memory::device);
-  depths_m = gpu::Buffer(device, "ray depths", rays * 4, gpu::Memory::device);
+  colours = gpu::Buffer(device, "ray colours", rays * 16 + guard_bytes, gpu::Memory::device);
+  depths_m = gpu::Buffer(device, "ray depths", rays * 4 + guard_bytes, gpu::Memory::device);
 }
 
 CastPipeline::CastPipeline(const gpu::Device& device, const CastKernels& kernels,

@@ -59,7 +59,8 @@ struct EyeTarget {
 struct RayBuffers {
   RayBuffers() = default;
   /// Throws device_error when a buffer would be larger than what the device binds (lavapipe: 8 million rays).
-  RayBuffers(const gpu::Device& device, int across, int down);
+  /// `guard_bytes` lie unused behind the results, for a watchdog.
+  RayBuffers(const gpu::Device& device, int across, int down, std::uint64_t guard_bytes = 0);
 
   int across = 0, down = 0;
   gpu::Buffer entries, directions, colours, depths_m;
@@ -103,6 +104,8 @@ class CastPipeline {
   /// Sum of the work counted since the last reset; zero without CastParts::counters. After the work is done.
   WorkCounts counted(const gpu::Device& device) const;
   void reset_counters(const gpu::Device& device) const;
+  /// As brace/counters.glsl lays them out, for native stages.
+  const gpu::Buffer& counters() const { return counters_; }
 
  private:
   void dispatch(gpu::CommandList& commands, const gpu::ComputePipeline& pipeline, const Resources& resources,

@@ -1,0 +1,57 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "runtime/host/native_stage.hpp"
+#include "runtime/host/stage_activation.hpp"
+#include "runtime/host/watchdog.hpp"
+#include "runtime/raycast/cast_pipeline.hpp"
+
+namespace brace {
+
+// The braces with native stages in the place of kernels.
+
+/// Fills the parts of an activation that come from the scene: volume, transfer function, sizes.
+ActivationInput activation_input(const gpu::Device& device, const VolumeOnDevice& volume,
+                                 const VolumePlacement& placement, const TransferTable& transfer,
+                                 double step_units, int eye_width_px, int eye_height_px);
+
+/// One eye of one eye frame. Everything must outlive the call.
+struct EyeCast {
+  const gpu::Device& device;
+  const CastPipeline& pipeline;
+  const CastPipeline::Resources& resources;
+  const EyeView& view;
+  std::uint32_t eye = 0;  // 0 left, 1 right
+  std::uint64_t frame = 0;
+  const NativeStage* rays = nullptr;  // null: the pipeline's kernels
+  const NativeStage* cast = nullptr;
+  Watchdog* watchdog = nullptr;
+  const std::string* rays_id = nullptr;  // names for the watchdog; null: that of the native stage
+  const std::string* cast_id = nullptr;
+  std::int64_t cast_deadline_ns = 0;  // for the watchdog; 0: none
+};
+
+struct EyeCastOutcome {
+  std::int64_t time_ns = 0;  // device time; of a cast on the host, its duration there
+  WorkCounts counted;        // by a cast on the host
+};
+
+/// Host memory for casts on the host where the device's is not mapped; grows to its size once.
+struct HostRays {
+  std::vector<std::byte> params, entries, directions, colours, depths_m;
+};
+
+/// The frame as a stage sees it. `commands` null: on the host, with mapped ranges where there are any.
+brace_cast_frame cast_frame(const EyeCast& eye, VkCommandBuffer_T* commands, const CastArea& area);
+
+/// Runs a cast that executes on the host; the device is idle and the rays are written.
+void execute_cast(const EyeCast& eye, const CastArea& area, HostRays& host, WorkCounts& counted);
+
+/// Opening brace, cast and closing brace of one eye; the work is done when it returns. Throws device_error
+/// that names the stage when one fails. Allocates nothing once warm.
+EyeCastOutcome cast_eye(const EyeCast& eye, gpu::CommandList& commands, HostRays& host);
+
+}  // namespace brace
