@@ -42,13 +42,38 @@ function tickText(value, index, ticks) {
   return value.toFixed(decimals === undefined ? 6 : decimals);
 }
 
-function legendBelow(count) {
-  return {
-    display: count > 1,
-    position: 'bottom',
-    // Boxes without height are lines, dashed like the curve's.
-    labels: {color: css('--text'), boxWidth: 28, boxHeight: 0, padding: 12},
-  };
+// What the colours and dashes mean, below the chart; a click hides and shows. Chart.js' own legend cannot show
+// a dashed line. None for a single dataset.
+function showLegend(id, chart) {
+  const box = document.getElementById(id).parentElement;
+  if (box.nextElementSibling && box.nextElementSibling.matches('.legend')) box.nextElementSibling.remove();
+  const datasets = chart.data.datasets;
+  if (datasets.length < 2) return;
+  const list = document.createElement('ul');
+  list.className = 'legend';
+  datasets.forEach((dataset, i) => {
+    const key = document.createElement('button');
+    const swatch = document.createElement('i');
+    key.type = 'button';
+    if (dataset.borderColor) {
+      swatch.className = 'line';
+      swatch.style.borderTop = '2px ' + (dataset.borderDash.length ? 'dashed ' : 'solid ') + dataset.borderColor;
+    } else {
+      swatch.style.background = dataset.backgroundColor;
+    }
+    key.setAttribute('aria-pressed', 'true');
+    key.append(swatch, dataset.label);
+    key.addEventListener('click', () => {
+      const visible = !chart.isDatasetVisible(i);
+      chart.setDatasetVisibility(i, visible);
+      chart.update();
+      key.setAttribute('aria-pressed', String(visible));
+    });
+    const item = document.createElement('li');
+    item.append(key);
+    list.append(item);
+  });
+  box.after(list);
 }
 
 // A line: {label, points: [[x, y], …], colour, dashed}.
@@ -68,7 +93,7 @@ function lineDataset(line) {
 }
 
 function drawLines(id, lines, options) {
-  return drawChart(id, {
+  const chart = drawChart(id, {
     type: 'line',
     data: {datasets: lines.map(lineDataset)},
     options: {
@@ -79,7 +104,7 @@ function drawLines(id, lines, options) {
         y: axis(options.y, {beginAtZero: true, ticks: {padding: 6, maxTicksLimit: 7, callback: tickText}}),
       },
       plugins: {
-        legend: legendBelow(lines.length),
+        legend: {display: false},
         tooltip: {
           callbacks: {
             title: (items) => items.length ? options.tipTitle(items[0].parsed.x) : '',
@@ -89,10 +114,12 @@ function drawLines(id, lines, options) {
       },
     },
   });
+  showLegend(id, chart);
+  return chart;
 }
 
 function drawBars(id, series, options) {
-  return drawChart(id, {
+  const chart = drawChart(id, {
     type: 'bar',
     data: {
       datasets: series.map((one) => ({
@@ -106,7 +133,7 @@ function drawBars(id, series, options) {
         y: axis(options.y, {beginAtZero: true, suggestedMax: options.yLeast, ticks: {padding: 6, maxTicksLimit: 6, callback: tickText}}),
       },
       plugins: {
-        legend: Object.assign(legendBelow(series.length), {labels: {color: css('--text'), boxWidth: 14, padding: 12}}),
+        legend: {display: false},
         tooltip: {
           callbacks: {
             title: (items) => items.length ? options.tipTitle(items[0].parsed.x) : '',
@@ -116,6 +143,8 @@ function drawBars(id, series, options) {
       },
     },
   });
+  showLegend(id, chart);
+  return chart;
 }
 
 // A histogram as an outline: bins {from, width, share: [percent, …]}.

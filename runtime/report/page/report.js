@@ -349,8 +349,8 @@ function drawAll() {
   const mtpLabels = ['rotation', 'translation'].flatMap((kind) => data.series.map((s) => named(s, kind)));
   drawHistogram('mtp-chart', data.mtp, mtpLabels, data.series.length, 'motion-to-photon, ms');
   drawHistogram('age-chart', data.age, data.series.map((s) => several ? s.label : 'frame age'), 99, 'frame age, ms');
-  drawCurve('angle-chart', [['angle_deg', 'angular error']], 'angular error, °', (v) => withUnit(v, '°'));
-  drawCurve('position-chart', [['position_mm', 'position error']], 'position error, mm', (v) => withUnit(v, 'mm'));
+  drawCurve('angle-chart', [['angle_deg', several ? '' : 'angular error']], 'angular error, °', (v) => withUnit(v, '°'));
+  drawCurve('position-chart', [['position_mm', several ? '' : 'position error']], 'position error, mm', (v) => withUnit(v, 'mm'));
 }
 
 // ---- words ---------------------------------------------------------------------------------------------
