@@ -123,7 +123,11 @@ std::optional<double> lens_inverse(LensKind kind, const Coefficients& k, double 
   }
   BRACE_CHECK(std::isfinite(usable_radius));
   const double source_max = lens_forward(kind, k, usable_radius);
-  if (source_radius > source_max) return std::nullopt;
+  if (source_radius > source_max) {
+    // What the rim itself maps to may have been rounded up on its way here.
+    if (source_radius <= source_max * (1.0 + 1e-13)) return usable_radius;
+    return std::nullopt;
+  }
   double low = 0.0, high = usable_radius;
   double r = source_max > 0.0 ? usable_radius * (source_radius / source_max) : 0.0;
   constexpr int iterations_max = 100;  // bisection alone ends within 64

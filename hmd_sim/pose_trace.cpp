@@ -108,7 +108,7 @@ Rates rates_at(const std::vector<TimedPose>& poses, std::size_t knot) {
       if (m != knot && m != j) weight *= x(m) / (x(m) - x(j));
     }
     const Pose& pose = poses[j].world_from_head;
-    rates.angular_rad_s += weight * quat_log(glm::conjugate(centre.orientation) * pose.orientation);
+    rates.angular_rad_s += weight * turn_between(centre.orientation, pose.orientation);
     rates.linear_m_s += weight * (pose.position - centre.position);
   }
   return rates;
@@ -127,7 +127,7 @@ Pose hermite_pose(const std::vector<TimedPose>& poses, std::size_t i, double s) 
   const Pose& b = poses[i + 1].world_from_head;
   const double h = seconds_between(poses[i].time, poses[i + 1].time);
   const Rates rate_a = rates_at(poses, i), rate_b = rates_at(poses, i + 1);
-  const glm::dvec3 turn = quat_log(glm::conjugate(a.orientation) * b.orientation);
+  const glm::dvec3 turn = turn_between(a.orientation, b.orientation);
   const glm::dvec3 chart = hermite(s, h, glm::dvec3(0.0), rate_a.angular_rad_s, turn,
                                    chart_rate_from_body_rate(turn, rate_b.angular_rad_s));
   return {glm::normalize(a.orientation * quat_exp(chart)),

@@ -15,8 +15,12 @@ constexpr std::uint64_t mix64(std::uint64_t x) {
   return x ^ (x >> 31);
 }
 
-constexpr std::uint64_t hash64(std::uint64_t seed, std::uint64_t index, std::uint64_t lane) {
-  return mix64(mix64(mix64(seed) + index) + lane);
+/// Random bits number `lane` of `index`, for a stream named by a number of its own.
+constexpr std::uint64_t stream_of(std::uint64_t seed, std::uint64_t index) {
+  return mix64(mix64(seed) + index);
+}
+constexpr std::uint64_t random_bits(std::uint64_t stream, std::uint64_t lane) {
+  return mix64(stream + lane);
 }
 
 /// 0 <= u < 1, 53 bits.

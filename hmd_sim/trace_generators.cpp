@@ -50,7 +50,7 @@ NaturalMotion::NaturalMotion(std::uint64_t seed, const glm::dvec3& eyes_at_rest_
     double power = 0.0;
     for (std::size_t i = 0; i < tone_count; ++i) {
       const auto random = [&](std::uint64_t what) {
-        return uniform01(hash64(seed, axis * tone_count + i, what));
+        return uniform01(random_bits(stream_of(seed, axis * tone_count + i), what));
       };
       // One tone at a random place of each of tone_count equal bands of log frequency; amplitude as 1/f,
       // which gives every band the same speed.

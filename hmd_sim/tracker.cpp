@@ -7,17 +7,16 @@
 
 #include "base/error.hpp"
 #include "hmd_sim/random.hpp"
+#include "hmd_sim/rotation.hpp"
 
 namespace brace::sim {
 namespace {
 
 enum NoiseLane : std::uint64_t { position_lane = 0, orientation_lane = 3, dropout_lane = 6 };
 
-glm::dvec3 noise_vector(std::uint64_t seed, std::int64_t index, NoiseLane lane) {
-  const auto component = [&](std::uint64_t axis) {
-    return near_normal(hash64(seed, static_cast<std::uint64_t>(index), lane + axis));
-  };
-  return {component(0), component(1), component(2)};
+glm::dvec3 noise_vector(std::uint64_t stream, NoiseLane lane) {
+  return {near_normal(random_bits(stream, lane)), near_normal(random_bits(stream, lane + 1)),
+          near_normal(random_bits(stream, lane + 2))};
 }
 
 // A turn by a small rotation vector, right to second order: what its noise is good for.
@@ -43,7 +42,7 @@ std::int64_t readings_per_spacing(const TrackerModel& model, SimDuration spacing
 }
 
 void set_velocities(brace_tracker_sample& sample, const Pose& pose, const Pose& before, double interval_s) {
-  const glm::dvec3 turn = quat_log(glm::conjugate(before.orientation) * pose.orientation) / interval_s;
+  const glm::dvec3 turn = turn_between(before.orientation, pose.orientation) / interval_s;
   const glm::dvec3 shift = (pose.position - before.position) / interval_s;
   for (int axis = 0; axis < 3; ++axis) {
     sample.angular_velocity_rad_s[axis] = turn[axis];
@@ -76,47 +75,46 @@ Tracker::Tracker(const PoseTrace& trace, const TrackerModel& model, std::uint64_
   check(model, options);
 }
 
-bool Tracker::exists(std::int64_t index, std::size_t& hint) const {
-  if (index == 0) return true;  // a trace begins with a pose; so does tracking
-  const auto bits = hash64(seed_, static_cast<std::uint64_t>(index), dropout_lane);
-  if (model_.dropout_probability > 0.0 && uniform01(bits) < model_.dropout_probability) return false;
-  return trace_.valid_at(clock_.time_of(index), hint);
+bool Tracker::dropped(std::int64_t index) const {
+  if (index == 0 || model_.dropout_probability == 0.0) return false;
+  const auto stream = stream_of(seed_, static_cast<std::uint64_t>(index));
+  return uniform01(random_bits(stream, dropout_lane)) < model_.dropout_probability;
 }
 
-std::int64_t Tracker::newest_existing(std::int64_t index, std::size_t& hint) const {
-  while (index > 0 && !exists(index, hint)) {
-    // Inside a gap `hint` is at the pose before it: go on from there instead of reading by reading.
+// The newest reading at or before `index`. The trace begins with a pose, so reading 0 always exists.
+Tracker::Moment Tracker::newest_existing(std::int64_t index, std::size_t& hint) const {
+  while (index > 0) {
     const SimTime time = clock_.time_of(index);
-    const bool in_gap = !trace_.valid_at(time, hint);
-    index = in_gap ? std::min(index - 1, clock_.last_at_or_before(trace_.poses()[hint].time)) : index - 1;
+    if (!trace_.valid_at(time, hint)) {
+      // In a gap; `hint` is at the pose before it. Go on from there instead of reading by reading.
+      index = std::min(index - 1, clock_.last_at_or_before(trace_.poses()[hint].time));
+    } else if (dropped(index)) {
+      --index;
+    } else {
+      return {index, time};
+    }
   }
-  return std::max<std::int64_t>(index, 0);
+  return {0, trace_.begin_time()};
 }
 
-std::int64_t Tracker::newest_known(SimTime now, std::size_t& hint) const {
+Tracker::Moment Tracker::newest_known(SimTime now, std::size_t& hint) const {
   const SimTime asked = now - model_.latency;
-  if (asked <= trace_.begin_time()) return 0;
+  if (asked <= trace_.begin_time()) return {0, trace_.begin_time()};
   return newest_existing(std::min(last_index_, clock_.last_at_or_before(asked)), hint);
 }
 
-std::int64_t Tracker::one_spacing_before(std::int64_t index, std::size_t& hint) const {
-  return newest_existing(std::max<std::int64_t>(index - stride_, 0), hint);
-}
-
-Tracker::Reading Tracker::read(std::int64_t index, std::size_t& hint) {
+Pose Tracker::read(const Moment& moment, std::size_t& hint) {
   ++readings_computed_;
-  Reading reading{clock_.time_of(index), {}};
-  reading.world_from_head = trace_.at(reading.time, options_.interpolation, hint);
-  Pose& pose = reading.world_from_head;
+  Pose pose = trace_.at(moment.time, options_.interpolation, hint);
+  const auto stream = stream_of(seed_, static_cast<std::uint64_t>(moment.index));
   if (model_.position_noise_m > 0.0) {
-    pose.position += model_.position_noise_m * noise_vector(seed_, index, position_lane);
+    pose.position += model_.position_noise_m * noise_vector(stream, position_lane);
   }
   if (model_.orientation_noise_rad > 0.0) {
-    pose.orientation =
-        glm::normalize(pose.orientation * small_turn(model_.orientation_noise_rad *
-                                                     noise_vector(seed_, index, orientation_lane)));
+    pose.orientation = glm::normalize(
+        pose.orientation * small_turn(model_.orientation_noise_rad * noise_vector(stream, orientation_lane)));
   }
-  return reading;
+  return pose;
 }
 
 std::span<const brace_tracker_sample> Tracker::history(SimTime now) {
@@ -130,20 +128,24 @@ brace_tracker_sample Tracker::newest(SimTime now) {
 // Walks back from the newest reading; each reading serves as a sample and as the base of the next one's
 // velocity.
 std::span<const brace_tracker_sample> Tracker::collect(SimTime now, std::size_t wanted) {
-  std::int64_t index = newest_known(now, hint_);
+  Moment moment = newest_known(now, hint_);
+  const bool known = samples_.back().time_ns == to_ns(moment.time) && wanted <= collected_;
+  if (known) return std::span<const brace_tracker_sample>(samples_).last(collected_);
   std::size_t hint = hint_;
-  Reading reading = read(index, hint);
+  Pose pose = read(moment, hint);
   std::size_t first = samples_.size();
   while (true) {
     brace_tracker_sample& sample = samples_[--first];
-    sample = {to_ns(reading.time), to_abi(reading.world_from_head), {}, {}};
-    if (index == 0) break;
-    index = one_spacing_before(index, hint);
-    const Reading before = read(index, hint);
-    set_velocities(sample, reading.world_from_head, before.world_from_head, to_s(reading.time - before.time));
+    sample = {to_ns(moment.time), to_abi(pose), {}, {}};
+    if (moment.index == 0) break;
+    const Moment earlier = newest_existing(std::max<std::int64_t>(moment.index - stride_, 0), hint);
+    const Pose before = read(earlier, hint);
+    set_velocities(sample, pose, before, to_s(moment.time - earlier.time));
     if (samples_.size() - first == wanted) break;
-    reading = before;
+    moment = earlier;
+    pose = before;
   }
+  collected_ = samples_.size() - first;
   return std::span<const brace_tracker_sample>(samples_).subspan(first);
 }
 

@@ -55,16 +55,15 @@ class Tracker {
   std::uint64_t readings_computed() const { return readings_computed_; }
 
  private:
-  struct Reading {
+  struct Moment {
+    std::int64_t index;
     SimTime time;
-    Pose world_from_head;
   };
 
-  bool exists(std::int64_t index, std::size_t& hint) const;
-  std::int64_t newest_existing(std::int64_t index, std::size_t& hint) const;
-  std::int64_t newest_known(SimTime now, std::size_t& hint) const;
-  std::int64_t one_spacing_before(std::int64_t index, std::size_t& hint) const;
-  Reading read(std::int64_t index, std::size_t& hint);
+  bool dropped(std::int64_t index) const;
+  Moment newest_existing(std::int64_t index, std::size_t& hint) const;
+  Moment newest_known(SimTime now, std::size_t& hint) const;
+  Pose read(const Moment& moment, std::size_t& hint);
   std::span<const brace_tracker_sample> collect(SimTime now, std::size_t wanted);
 
   const PoseTrace& trace_;
@@ -76,7 +75,8 @@ class Tracker {
   std::int64_t last_index_;  // of the last reading within the trace
   std::size_t hint_ = 0;     // trace position of the newest reading asked for
   std::uint64_t readings_computed_ = 0;
-  std::vector<brace_tracker_sample> samples_;
+  std::vector<brace_tracker_sample> samples_;  // filled from the back; the last `collected_` are valid
+  std::size_t collected_ = 0;
 };
 
 }  // namespace brace::sim
