@@ -15,8 +15,8 @@ inline constexpr int frame_slots = 2;
 struct CastRequest {
   std::int64_t frame = 0;
   int slot = 0;  // 0 .. frame_slots - 1
-  Pose world_from_head;
-  SimTime start;
+  Pose world_from_head{};
+  SimTime start{};
   double quality = 1.0;  // 0 < quality <= 1, from the control stage: fraction of the full ray count
 };
 
@@ -26,16 +26,16 @@ struct WarpRequest {
   std::int64_t vsync_index = 0;
   std::int64_t frame = 0;
   int slot = 0;
-  Pose render_world_from_head;
-  Pose warp_world_from_head;  // the render pose if the warp stage uses no pose
-  SimTime start;              // when the pose is latched and the job submitted
+  Pose render_world_from_head{};
+  Pose warp_world_from_head{};  // the render pose if the warp stage uses no pose
+  SimTime start{};              // when the pose is latched and the job submitted
 };
 
 /// A vsync with its photons: what was shown, and where the head truly is at photon time.
 struct ShowRequest {
   std::int64_t vsync_index = 0;
   bool image_is_new = false;  // true: the image of the last warp; false: the panel repeats what it has
-  Pose true_world_from_head;
+  Pose true_world_from_head{};
 };
 
 /// `device_time` is what the device at hand measured (zero if nothing ran); only the `measured` cost source

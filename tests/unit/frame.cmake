@@ -1,0 +1,11 @@
+brace_test(frame_test LABEL unit
+  LIBRARIES brace::frame brace::stages_predict brace::stages_control
+  SOURCES
+    ${CMAKE_CURRENT_LIST_DIR}/frame/allocation_counter.cpp
+    ${CMAKE_CURRENT_LIST_DIR}/frame/counted_work_test.cpp
+    ${CMAKE_CURRENT_LIST_DIR}/frame/frame_loop_extremes_test.cpp
+    ${CMAKE_CURRENT_LIST_DIR}/frame/frame_loop_replay_test.cpp
+    ${CMAKE_CURRENT_LIST_DIR}/frame/frame_loop_test.cpp
+    ${CMAKE_CURRENT_LIST_DIR}/frame/head_motion_test.cpp
+    ${CMAKE_CURRENT_LIST_DIR}/frame/pacing_test.cpp
+    ${CMAKE_CURRENT_LIST_DIR}/frame/stages_test.cpp)
