@@ -32,7 +32,8 @@ struct BraceDisplayParams {
   BRACE_VEC4(fov);        /* tangents that the eye sees: left, bottom, right, top */
   BRACE_VEC4S(old_from_new, 4); /* from the new eye frame to the source picture's: the rotation's columns,
                                    then the translation in metres */
-  BRACE_UVEC4(grid);            /* x: source pixels per row; y: groups of four panel pixels per row */
+  BRACE_UVEC4(grid);            /* x: source pixels per row; y: groups of four panel pixels per row;
+                     zw: panel pixels across and down */
 };
 
 #ifdef __cplusplus

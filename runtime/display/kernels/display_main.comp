@@ -1,0 +1,132 @@
+#version 460
+#extension GL_EXT_control_flow_attributes : require
+// One eye's panel from one eye frame: lens distortion per channel, late warp, bilinear fetch. Composed with
+//   BRACE_LENS_IDENTITY | BRACE_LENS_BROWN_CONRADY | BRACE_LENS_PANOTOOLS | BRACE_LENS_VIVE
+//   BRACE_ONE_FETCH      the channels share polynomial and centre: one position, one fetch
+//   BRACE_ONE_CENTRE     the channels share the centre: one radius
+//   BRACE_COUNTERS       count pixels whose green the source picture does not cover
+//
+// Software devices (Mesa 22.3) run this in rows of 8 invocations. A store costs a scalar loop over the 8 however
+// wide it is, so each invocation makes four pixels and stores them at once; the panel's rows are padded to whole
+// tiles, so nothing needs a bounds check. Their texel fetch is a call that gathers 32-bit texels, and nearly all
+// of the time goes there.
+#include "brace/warp.glsl"
+#include "stage/parameters.glsl"
+#include "stage/warp.glsl"
+
+// A tile is 32 x 8 panel pixels.
+layout(local_size_x = 8, local_size_y = 8) in;
+
+layout(set = 0, binding = BRACE_SLOT_SOURCE_IMAGE) uniform usamplerBuffer brace_source_image;
+layout(set = 0, binding = BRACE_SLOT_PANEL_TILES) uniform usamplerBuffer brace_panel_tiles;
+layout(std430, set = 0, binding = BRACE_SLOT_PANEL_IMAGE) writeonly buffer BracePanelImage { uvec4 brace_panel_image[]; };
+#ifdef BRACE_COUNTERS
+layout(std430, set = 0, binding = BRACE_SLOT_DISPLAY_COUNTERS) buffer BraceDisplayCounters { uint brace_uncovered; };
+#endif
+uint uncovered = 0u;
+
+float lens_scale(uint channel, float r2) {
+  const vec4 k = brace_display.lens[channel];
+#if defined(BRACE_LENS_BROWN_CONRADY)
+  return 1.0 + r2 * (k.x + r2 * (k.y + r2 * k.z));
+#elif defined(BRACE_LENS_PANOTOOLS)
+  const float r = sqrt(r2);
+  return k.x + r * (k.y + r * (k.z + r * (k.w + r * brace_display.centre[channel].w)));
+#elif defined(BRACE_LENS_VIVE)
+  return 1.0 / (1.0 + r2 * (k.x + r2 * (k.y + r2 * k.z))) + k.w;
+#else
+  return 1.0;
+#endif
+}
+
+// A position in the source picture and whether anything is seen there.
+struct Source {
+  vec2 position;
+  bool seen;
+};
+
+bool within(vec2 x, vec2 low, vec2 high) { return all(greaterThanEqual(x, low)) && all(lessThanEqual(x, high)); }
+
+Source find_source(uint channel, vec2 point, float r2) {
+  // Beyond the usable radius nothing is shown; the clamp keeps the lens model in its domain there.
+  const float usable2 = brace_display.centre[channel].z;
+  const vec2 tan_xy = point * (lens_scale(channel, min(r2, usable2)) * brace_display.pitch.zw);
+  Source source;
+  source.position = brace_warp_source(tan_xy) * brace_display.source.xy + brace_display.source.zw;
+  const bool covered = within(source.position, vec2(-0.5), brace_display.source_max.zw);
+#ifdef BRACE_WARP_IDENTITY
+  const bool visible = r2 <= usable2;
+#else
+  // What the eye cannot see stays dark, even where the old picture happens to reach.
+  const bool visible = r2 <= usable2 && within(tan_xy, brace_display.fov.xy, brace_display.fov.zw);
+#endif
+  source.seen = visible && covered;
+#ifdef BRACE_COUNTERS
+  if (channel == 1u && !covered && r2 <= usable2 && within(tan_xy, brace_display.fov.xy, brace_display.fov.zw))
+    ++uncovered;
+#endif
+  return source;
+}
+
+// The four texels around a position, upper left, upper right, lower left, lower right, and the weights of the
+// right and the lower ones. Never out of bounds: source_max keeps one texel to the right and below.
+uvec4 fetch_four(vec2 position, out vec2 weight) {
+  const vec2 inside = clamp(position, vec2(0.0), brace_display.source_max.xy);
+  const ivec2 texel = ivec2(inside);
+  weight = inside - vec2(texel);
+  const int across = int(brace_display.grid.x);
+  const int at = texel.y * across + texel.x;
+  return uvec4(texelFetch(brace_source_image, at).x, texelFetch(brace_source_image, at + 1).x,
+               texelFetch(brace_source_image, at + across).x, texelFetch(brace_source_image, at + across + 1).x);
+}
+
+// 8-bit value of one channel, in its place of the packed pixel.
+uint blend(uvec4 texels, vec2 weight, uint channel, bool seen) {
+  const vec4 value = vec4((texels >> (8u * channel)) & 255u);
+  const vec2 rows = mix(value.xz, value.yw, weight.x);
+  return (seen ? uint(mix(rows.x, rows.y, weight.y) + 0.5) : 0u) << (8u * channel);
+}
+
+uint panel_pixel(vec2 pixel) {
+  uint packed = 0xff000000u;
+#ifdef BRACE_ONE_FETCH
+  const vec2 point = pixel * brace_display.pitch.xy + brace_display.centre[1].xy;
+  const Source source = find_source(1u, point, dot(point, point));
+  vec2 weight;
+  const uvec4 texels = fetch_four(source.position, weight);
+  [[unroll]] for (uint channel = 0u; channel < 3u; ++channel) packed |= blend(texels, weight, channel, source.seen);
+#else
+#ifdef BRACE_ONE_CENTRE
+  const vec2 point = pixel * brace_display.pitch.xy + brace_display.centre[1].xy;
+  const float r2 = dot(point, point);
+#endif
+  [[unroll]] for (uint channel = 0u; channel < 3u; ++channel) {
+#ifndef BRACE_ONE_CENTRE
+    const vec2 point = pixel * brace_display.pitch.xy + brace_display.centre[channel].xy;
+    const float r2 = dot(point, point);
+#endif
+    const Source source = find_source(channel, point, r2);
+    vec2 weight;
+    const uvec4 texels = fetch_four(source.position, weight);
+    packed |= blend(texels, weight, channel, source.seen);
+  }
+#endif
+  return packed;
+}
+
+void main() {
+  const uint tile = texelFetch(brace_panel_tiles, int(gl_WorkGroupID.x)).x;
+  const uvec2 corner = uvec2(tile & 0xffffu, tile >> 16) * uvec2(32u, 8u);
+  const uvec2 pixel = corner + gl_LocalInvocationID.xy * uvec2(4u, 1u);
+  uvec4 four;
+  [[unroll]] for (uint i = 0u; i < 4u; ++i) {
+    const uint before = uncovered;
+    four[i] = panel_pixel(vec2(pixel + uvec2(i, 0u)));
+    // Not those of the padding.
+    if (pixel.x + i >= brace_display.grid.z || pixel.y >= brace_display.grid.w) uncovered = before;
+  }
+  brace_panel_image[pixel.y * brace_display.grid.y + (pixel.x >> 2)] = four;
+#ifdef BRACE_COUNTERS
+  if (uncovered > 0u) atomicAdd(brace_uncovered, uncovered);
+#endif
+}
