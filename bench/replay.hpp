@@ -18,10 +18,10 @@ struct ReplayBenchOptions {
 struct ReplayBenchCase {
   std::string name;  // "single", "priority", "dual"
   std::int64_t vsyncs = 0;
-  double host_s = 0;
-  double vsyncs_per_s = 0;
-  std::vector<double>
-      ns_per_vsync_by_hour;  // host time, one figure per simulated hour (the last may be short)
+  double wall_s = 0;
+  double cpu_s = 0;         // of the thread that replays: what other programs leave it does not count
+  double vsyncs_per_s = 0;  // of CPU time
+  std::vector<double> ns_per_vsync_by_hour;  // CPU time by simulated hour (the last may be short)
   double events_per_vsync = 0;
   std::int64_t duplicate_predictions = 0;
   std::int64_t missed_vsyncs = 0;
