@@ -277,17 +277,19 @@ typedef struct brace_cast_functions {
   brace_result (*execute)(void* self, const brace_cast_frame* frame);
 } brace_cast_functions;
 
-/* skip: a distance map over blocks of voxels, which the public hook brace/distance_map.glsl reads.
- * Layout of `distances`: one byte per block, blocks[0] * blocks[1] * blocks[2] of them, x fastest, and up to
- * the next multiple of 4 the host's padding. The byte is the Chebyshev distance in blocks to the nearest
- * occupied block, clamped to 255; 0: the block is occupied. A block is occupied unless every sample inside
- * it, trilinear interpolation included, is fully transparent. */
+/* skip: a distance map over blocks of voxels, which the public hook brace/skip_distance.glsl reads. A byte
+ * per block, that of block (x, y, z) at z * slice_bytes + y * row_bytes + x: the Chebyshev distance in blocks
+ * to the nearest occupied block, clamped to 255; 0: the block is occupied. Smaller is safe, larger is not. A
+ * block is occupied unless every sample in it and up to half a voxel beyond its faces, trilinear
+ * interpolation included, is fully transparent. */
 typedef struct brace_skip_frame {
   uint32_t struct_size;
-  struct VkCommandBuffer_T* commands; /* null in execute_update */
   uint32_t block_edge_voxels;
-  uint32_t blocks[3]; /* ceil(dims / block_edge_voxels) */
-  brace_buffer_range distances;
+  struct VkCommandBuffer_T* commands; /* null in execute_update */
+  uint32_t blocks[3];                 /* ceil(dims / block_edge_voxels) */
+  uint32_t row_bytes;                 /* a multiple of 4, at least blocks[0] */
+  uint64_t slice_bytes;
+  brace_buffer_range distances;         /* slice_bytes * blocks[2] bytes */
   const brace_transfer_table* transfer; /* the one to build the map for; valid for this call */
 } brace_skip_frame;
 

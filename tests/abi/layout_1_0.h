@@ -90,9 +90,11 @@ ABI_AT(brace_cast_frame, params, 144);
 ABI_AT(brace_cast_frame, counters, 400);
 ABI_AT(brace_cast_frame, counted, 432);
 
-ABI_LEAST(brace_skip_frame, 72);
-ABI_AT(brace_skip_frame, blocks, 20);
-ABI_AT(brace_skip_frame, distances, 32);
+ABI_LEAST(brace_skip_frame, 80);
+ABI_AT(brace_skip_frame, commands, 8);
+ABI_AT(brace_skip_frame, blocks, 16);
+ABI_AT(brace_skip_frame, slice_bytes, 32);
+ABI_AT(brace_skip_frame, distances, 40);
 
 ABI_LEAST(brace_stereo_frame, 408);
 ABI_AT(brace_stereo_frame, left, 24);

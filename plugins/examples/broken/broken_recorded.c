@@ -20,19 +20,21 @@ brace_result broken_find_vulkan(broken* self, const brace_vulkan* vulkan) {
 static void fill(const broken* self, struct VkCommandBuffer_T* commands, const brace_buffer_range* range,
                  uint32_t word) {
   uint64_t bytes = range->size_bytes;
-  if (broken_has(self, "leaves_rays_out")) bytes -= 4;
-  if (broken_has(self, "writes_behind_buffer")) bytes += 4;
+  if (self->defect == BROKEN_LEAVES_SOME_OUT) bytes -= 4;
+  if (self->defect == BROKEN_WRITES_BEHIND_BUFFER) bytes += 4;
   if (bytes > 0) self->fill(commands, range->buffer, range->offset_bytes, bytes, word);
 }
 
 static void copy(const broken* self, struct VkCommandBuffer_T* commands, const brace_buffer_range* from,
                  const brace_buffer_range* to) {
   uint64_t region[3] = {from->offset_bytes, to->offset_bytes, from->size_bytes};
-  if (broken_has(self, "leaves_rays_out")) region[2] -= 4;
-  if (broken_has(self, "writes_behind_buffer")) {
+  if (self->defect == BROKEN_LEAVES_SOME_OUT) region[2] -= 4;
+  if (self->defect == BROKEN_WRITES_BEHIND_BUFFER) {
     self->fill(commands, to->buffer, to->offset_bytes + to->size_bytes, 4, 0);
   }
-  if (broken_has(self, "breaks_validation")) region[2] = to->offset_bytes + (1ull << 40);
+  /* Vulkan forbids a copy of nothing; no driver minds it. */
+  const uint64_t nothing[3] = {from->offset_bytes, to->offset_bytes, 0};
+  if (self->defect == BROKEN_BREAKS_VALIDATION) self->copy(commands, from->buffer, to->buffer, 1, nothing);
   if (region[2] > 0) self->copy(commands, from->buffer, to->buffer, 1, region);
 }
 
@@ -41,7 +43,7 @@ static brace_result rays_open(void* object, const brace_cast_frame* frame) {
   const brace_result result = broken_misbehave(self);
   if (result != BRACE_OK) return result;
   /* Entry (0, 0, 0) and length 0: no ray. Direction (1, 1, 1), level 1. */
-  fill(self, frame->commands, &frame->ray_entries, broken_has(self, "not_a_number") ? 0x7fc00000u : 0u);
+  fill(self, frame->commands, &frame->ray_entries, (self->defect == BROKEN_NOT_A_NUMBER) ? 0x7fc00000u : 0u);
   fill(self, frame->commands, &frame->ray_directions, 0x3f800000u + broken_noise_word(self));
   return BRACE_OK;
 }
@@ -51,9 +53,10 @@ static brace_result rays_close(void* object, const brace_cast_frame* frame) {
   const brace_result result = broken_misbehave(self);
   if (result != BRACE_OK) return result;
   fill(self, frame->commands, &frame->eye_image,
-       broken_has(self, "colour_over_opacity") ? 0x800000ffu : 0x80000000u + broken_noise_word(self));
-  fill(self, frame->commands, &frame->eye_depth_m, broken_has(self, "bad_depth") ? 0xbf800000u : 0x3f800000u);
-  if (broken_has(self, "changes_input"))
+       self->defect == BROKEN_COLOUR_OVER_OPACITY ? 0x800000ffu : 0x80000000u + broken_noise_word(self));
+  fill(self, frame->commands, &frame->eye_depth_m,
+       self->defect == BROKEN_BAD_DEPTH ? 0xbf800000u : 0x3f800000u);
+  if (self->defect == BROKEN_CHANGES_INPUT)
     self->fill(frame->commands, frame->result_colours.buffer, frame->result_colours.offset_bytes, 4,
                0x3e000000u);
   return BRACE_OK;
@@ -67,12 +70,13 @@ static brace_result stereo_record(void* object, const brace_stereo_frame* frame)
   if (result != BRACE_OK) return result;
   copy(self, frame->commands, &frame->left_image, &frame->right_image);
   copy(self, frame->commands, &frame->left_depth_m, &frame->right_depth_m);
-  if (broken_has(self, "colour_over_opacity")) fill(self, frame->commands, &frame->right_image, 0x800000ffu);
-  if (broken_has(self, "not_deterministic")) {
+  if (self->defect == BROKEN_COLOUR_OVER_OPACITY)
+    fill(self, frame->commands, &frame->right_image, 0x800000ffu);
+  if (self->defect == BROKEN_NOT_DETERMINISTIC) {
     fill(self, frame->commands, &frame->right_image, 0x80000000u + broken_noise_word(self));
   }
-  if (broken_has(self, "bad_depth")) fill(self, frame->commands, &frame->right_depth_m, 0xbf800000u);
-  if (broken_has(self, "changes_input"))
+  if (self->defect == BROKEN_BAD_DEPTH) fill(self, frame->commands, &frame->right_depth_m, 0xbf800000u);
+  if (self->defect == BROKEN_CHANGES_INPUT)
     self->fill(frame->commands, frame->left_image.buffer, frame->left_image.offset_bytes, 4, 0x90000000u);
   return BRACE_OK;
 }
@@ -84,11 +88,12 @@ static brace_result warp_record(void* object, const brace_warp_frame* frame) {
   const brace_result result = broken_misbehave(self);
   if (result != BRACE_OK) return result;
   copy(self, frame->commands, &frame->eye_image, &frame->warped_image);
-  if (broken_has(self, "colour_over_opacity")) fill(self, frame->commands, &frame->warped_image, 0x800000ffu);
-  if (broken_has(self, "not_deterministic")) {
+  if (self->defect == BROKEN_COLOUR_OVER_OPACITY)
+    fill(self, frame->commands, &frame->warped_image, 0x800000ffu);
+  if (self->defect == BROKEN_NOT_DETERMINISTIC) {
     fill(self, frame->commands, &frame->warped_image, 0x80000000u + broken_noise_word(self));
   }
-  if (broken_has(self, "changes_input"))
+  if (self->defect == BROKEN_CHANGES_INPUT)
     self->fill(frame->commands, frame->eye_image.buffer, frame->eye_image.offset_bytes, 4, 0x90000000u);
   return BRACE_OK;
 }

@@ -7,51 +7,18 @@
 #include <string.h>
 #include <time.h>
 
-enum {
-  NONE,
-  CREATE_FAILS,
-  ACTIVATE_FAILS,
-  SECOND_ACTIVATION_FAILS,
-  RECORD_FAILS,
-  LEAKS,
-  ALLOCATES,
-  NOT_DETERMINISTIC,
-  SLOW,
-  NOT_A_NUMBER,
-  COLOUR_OVER_OPACITY,
-  OPACITY_OVER_ONE,
-  BAD_DEPTH,
-  LEAVES_RAYS_OUT,
-  WRITES_OUTSIDE_AREA,
-  WRITES_BEHIND_BUFFER,
-  CHANGES_INPUT,
-  PAINTS_MISSES,
-  FAILS_ODD_SIZES,
-  FAILS_AT_EXTREMES,
-  OUT_OF_RANGE,
-  IGNORES_OPAQUE,
-  BREAKS_VALIDATION
-};
-
-static const char* const defects[] = {
-    "none",          "create_fails",    "activate_fails",      "second_activation_fails",
-    "record_fails",  "leaks",           "allocates",           "not_deterministic",
-    "slow",          "not_a_number",    "colour_over_opacity", "opacity_over_one",
-    "bad_depth",     "leaves_rays_out", "writes_outside_area", "writes_behind_buffer",
-    "changes_input", "paints_misses",   "fails_odd_sizes",     "fails_at_extremes",
-    "out_of_range",  "ignores_opaque",  "breaks_validation",   NULL};
-
 const brace_param broken_params[BROKEN_PARAM_COUNT] = {
-    {sizeof(brace_param), "defect", BRACE_PARAM_CHOICE, "", "The rule to break", 0.0, 0.0, 0.0, defects},
+    {sizeof(brace_param), "defect", BRACE_PARAM_INT, "", "The rule to break: see broken_stages.h",
+     BROKEN_NONE, BROKEN_NOTHING_EITHER, BROKEN_NONE, NULL},
     {sizeof(brace_param), "gain", BRACE_PARAM_FLOAT, "", "Brightness, for checks of extremes", 0.0, 1.0, 0.5,
      NULL},
 };
 
-static void* kept; /* what LEAKS leaves behind, so that no optimiser removes it */
+static void* kept; /* what BROKEN_LEAKS leaves behind, so that no optimiser removes it */
 static uint32_t calls;
 
 void* broken_create(const double* values, uint32_t count) {
-  if (count != BROKEN_PARAM_COUNT || (int)values[0] == CREATE_FAILS) return NULL;
+  if (count != BROKEN_PARAM_COUNT || (int)values[0] == BROKEN_CREATE_FAILS) return NULL;
   broken* self = calloc(1, sizeof *self);
   if (self == NULL) return NULL;
   self->defect = (int)values[0];
@@ -67,11 +34,12 @@ void broken_destroy(void* self) {
 brace_result broken_activate(void* object, const brace_activation* activation) {
   broken* self = object;
   ++self->activations;
-  if (self->defect == ACTIVATE_FAILS || (self->defect == SECOND_ACTIVATION_FAILS && self->activations > 1)) {
+  if (self->defect == BROKEN_ACTIVATE_FAILS ||
+      (self->defect == BROKEN_SECOND_ACTIVATION_FAILS && self->activations > 1)) {
     self->error = "this stage does not activate";
     return BRACE_UNSUPPORTED;
   }
-  if (self->defect == LEAKS) {
+  if (self->defect == BROKEN_LEAKS) {
     kept = malloc(1000);
     if (kept == NULL) return BRACE_ERROR;
   }
@@ -89,28 +57,28 @@ const char* broken_last_error(void* object) {
 
 /* What can go wrong in any call, whatever the kind. */
 static brace_result misbehave(broken* self) {
-  if (self->defect == RECORD_FAILS) {
+  if (self->defect == BROKEN_RECORD_FAILS) {
     self->error = "this stage fails in every frame";
     return BRACE_ERROR;
   }
-  if (self->defect == FAILS_AT_EXTREMES && (self->gain == 0.0 || self->gain == 1.0)) {
+  if (self->defect == BROKEN_FAILS_AT_EXTREMES && (self->gain == 0.0 || self->gain == 1.0)) {
     self->error = "this stage fails where a parameter is at its end";
     return BRACE_ERROR;
   }
-  if (self->defect == ALLOCATES) {
+  if (self->defect == BROKEN_ALLOCATES) {
     void* volatile block = malloc(64);
     free(block);
   }
-  if (self->defect == SLOW) {
+  if (self->defect == BROKEN_SLOW) {
     const struct timespec wait = {0, 30000000};
     nanosleep(&wait, NULL);
   }
   return BRACE_OK;
 }
 
-/* A value that differs from call to call under NOT_DETERMINISTIC and is 0 else. */
+/* A value that differs from call to call under BROKEN_NOT_DETERMINISTIC and is 0 else. */
 static double noise(const broken* self) {
-  return self->defect == NOT_DETERMINISTIC ? 0.001 * (double)(++calls % 7u) : 0.0;
+  return self->defect == BROKEN_NOT_DETERMINISTIC ? 0.001 * (double)(++calls % 7u) : 0.0;
 }
 
 /* ---- cast ---- */
@@ -119,7 +87,7 @@ static void cast_ray(const broken* self, const brace_cast_frame* frame, size_t r
   const float* entry = (const float*)frame->ray_entries.mapped + 4 * ray;
   float* colour = (float*)frame->result_colours.mapped + 4 * ray;
   float* depth_m = (float*)frame->result_depths_m.mapped + ray;
-  const int hits = entry[3] > 0.0f || self->defect == PAINTS_MISSES;
+  const int hits = entry[3] > 0.0f || self->defect == BROKEN_PAINTS_MISSES;
   const float opacity = hits ? 0.5f : 0.0f;
   const float level = opacity * (float)(self->gain * 0.9 + change);
   for (int c = 0; c < 3; ++c)
@@ -127,32 +95,32 @@ static void cast_ray(const broken* self, const brace_cast_frame* frame, size_t r
   colour[3] = opacity;
   *depth_m = hits ? 1.0f : INFINITY;
   if (!hits) return;
-  if (self->defect == NOT_A_NUMBER && ray % 5 == 0) colour[1] = NAN;
-  if (self->defect == COLOUR_OVER_OPACITY && ray % 5 == 0) colour[0] = 0.75f;
-  if (self->defect == OPACITY_OVER_ONE) colour[3] = 1.25f;
-  if (self->defect == BAD_DEPTH) *depth_m = -1.0f;
+  if (self->defect == BROKEN_NOT_A_NUMBER && ray % 5 == 0) colour[1] = NAN;
+  if (self->defect == BROKEN_COLOUR_OVER_OPACITY && ray % 5 == 0) colour[0] = 0.75f;
+  if (self->defect == BROKEN_OPACITY_OVER_ONE) colour[3] = 1.25f;
+  if (self->defect == BROKEN_BAD_DEPTH) *depth_m = -1.0f;
 }
 
 static brace_result cast_execute(void* object, const brace_cast_frame* frame) {
   broken* self = object;
   const brace_result result = misbehave(self);
   if (result != BRACE_OK) return result;
-  if (self->defect == FAILS_ODD_SIZES && frame->rays_across % 2 == 1 && frame->rays_across > 1) {
+  if (self->defect == BROKEN_FAILS_ODD_SIZES && frame->rays_across % 2 == 1 && frame->rays_across > 1) {
     self->error = "this stage wants an even number of rays";
     return BRACE_UNSUPPORTED;
   }
   brace_area area = frame->area;
-  if (self->defect == WRITES_OUTSIDE_AREA) area.width = frame->rays_across, area.x = 0;
+  if (self->defect == BROKEN_WRITES_OUTSIDE_AREA) area.width = frame->rays_across, area.x = 0;
   const double change = noise(self);
   for (uint32_t y = area.y; y < area.y + area.height; ++y) {
     for (uint32_t x = area.x; x < area.x + area.width; ++x) {
       const size_t ray = (size_t)y * frame->rays_across + x;
-      if (self->defect == LEAVES_RAYS_OUT && x == area.x && y == area.y) continue;
+      if (self->defect == BROKEN_LEAVES_SOME_OUT && x == area.x && y == area.y) continue;
       cast_ray(self, frame, ray, change);
     }
   }
-  if (self->defect == CHANGES_INPUT) ((float*)frame->ray_entries.mapped)[3] += 1.0f;
-  if (self->defect == WRITES_BEHIND_BUFFER) {
+  if (self->defect == BROKEN_CHANGES_INPUT) ((float*)frame->ray_entries.mapped)[3] += 1.0f;
+  if (self->defect == BROKEN_WRITES_BEHIND_BUFFER) {
     memset((char*)frame->result_depths_m.mapped + frame->result_depths_m.size_bytes, 0, 4);
   }
   return BRACE_OK;
@@ -160,24 +128,29 @@ static brace_result cast_execute(void* object, const brace_cast_frame* frame) {
 
 static const brace_cast_functions cast_functions = {sizeof cast_functions, NULL, cast_execute};
 
-/* ---- skip: everything is occupied; IGNORES_OPAQUE says that nothing is ---- */
+/* ---- skip: everything is occupied; BROKEN_IGNORES_OPAQUE says that nothing is ---- */
 
 static uint32_t skip_block_edge(void* object) {
   const broken* self = object;
-  return self->defect == OUT_OF_RANGE ? 0u : 4u;
+  return self->defect == BROKEN_OUT_OF_RANGE ? 0u : 4u;
 }
 
 static brace_result skip_update(void* object, const brace_skip_frame* frame) {
   broken* self = object;
   const brace_result result = misbehave(self);
   if (result != BRACE_OK) return result;
-  const size_t bytes = (size_t)frame->blocks[0] * frame->blocks[1] * frame->blocks[2];
   uint8_t* distances = frame->distances.mapped;
-  memset(distances, self->defect == IGNORES_OPAQUE ? 255 : 0, bytes);
-  /* The block in the corner is empty with this transfer function: 1 is as safe as 0. */
-  if (self->defect == NOT_DETERMINISTIC && ++calls % 2 == 0) distances[0] = 1;
-  if (self->defect == LEAVES_RAYS_OUT) distances[bytes - 1] = 0xb7;
-  if (self->defect == WRITES_BEHIND_BUFFER) distances[frame->distances.size_bytes] = 0;
+  const uint8_t distance = self->defect == BROKEN_IGNORES_OPAQUE ? 255 : 0;
+  for (uint32_t z = 0; z < frame->blocks[2]; ++z) {
+    for (uint32_t y = 0; y < frame->blocks[1]; ++y) {
+      uint8_t* row = distances + z * frame->slice_bytes + (uint64_t)y * frame->row_bytes;
+      const uint32_t some = self->defect == BROKEN_LEAVES_SOME_OUT && y == 0 && z == 0 ? 1 : 0;
+      memset(row, distance, frame->blocks[0] - some);
+    }
+  }
+  /* The block in the corner of the check's volume is empty: 1 is as safe there as 0. */
+  if (self->defect == BROKEN_NOT_DETERMINISTIC && ++calls % 2 == 0) distances[0] = 1;
+  if (self->defect == BROKEN_WRITES_BEHIND_BUFFER) distances[frame->distances.size_bytes] = 0;
   return BRACE_OK;
 }
 
@@ -194,8 +167,8 @@ static brace_result predict(void* object, const brace_tracker_sample* history, u
   if (result != BRACE_OK) return result;
   *pose = history[count - 1].world_from_head;
   pose->position_m[0] += noise(self);
-  if (self->defect == NOT_A_NUMBER) pose->position_m[1] = NAN;
-  if (self->defect == OUT_OF_RANGE) pose->orientation_xyzw[3] += 0.5;
+  if (self->defect == BROKEN_NOT_A_NUMBER) pose->position_m[1] = NAN;
+  if (self->defect == BROKEN_OUT_OF_RANGE) pose->orientation_xyzw[3] += 0.5;
   return BRACE_OK;
 }
 
@@ -209,8 +182,8 @@ static brace_result control_update(void* object, const brace_control_input* inpu
   const brace_result result = misbehave(self);
   if (result != BRACE_OK) return result;
   *quality = 0.5 + noise(self);
-  if (self->defect == NOT_A_NUMBER) *quality = NAN;
-  if (self->defect == OUT_OF_RANGE) *quality = 1.5;
+  if (self->defect == BROKEN_NOT_A_NUMBER) *quality = NAN;
+  if (self->defect == BROKEN_OUT_OF_RANGE) *quality = 1.5;
   return BRACE_OK;
 }
 
@@ -224,7 +197,7 @@ static brace_result cost(void* object, const char* job, const brace_work_counts*
   const brace_result result = misbehave(self);
   if (result != BRACE_OK) return result;
   *duration_ns = (int64_t)(1000.0 + 1e6 * noise(self)) + (int64_t)(work->samples / 1000u);
-  if (self->defect == OUT_OF_RANGE) *duration_ns = -1;
+  if (self->defect == BROKEN_OUT_OF_RANGE) *duration_ns = -1;
   return BRACE_OK;
 }
 
@@ -260,8 +233,5 @@ brace_result broken_misbehave(broken* self) {
   return misbehave(self);
 }
 uint32_t broken_noise_word(const broken* self) {
-  return self->defect == NOT_DETERMINISTIC ? ++calls % 7u : 0u;
-}
-int broken_has(const broken* self, const char* defect) {
-  return strcmp(defects[self->defect], defect) == 0;
+  return self->defect == BROKEN_NOT_DETERMINISTIC ? ++calls % 7u : 0u;
 }

@@ -28,12 +28,12 @@ float iso_refine(BraceRay ray, float below, float above, float value_below, floa
 
 void brace_cast(BraceRay ray, inout BraceResult result) {
   BRACE_COUNTERS_DECLARE
-  const int count = int(ceil(ray.length / cast_step_voxels));
+  const int count = int(ceil(ray.extent / cast_step_voxels));
   float before = 0.0;
   float value_before = iso_distance(ray, 0.0);
   float found = value_before > 0.0 ? 0.0 : -1.0;
   for (int i = 1; i <= count && found < 0.0; ++i) {
-    const float t = min(float(i) * cast_step_voxels, ray.length);
+    const float t = min(float(i) * cast_step_voxels, ray.extent);
     const float value = iso_distance(ray, t);
     BRACE_COUNT(samples, 1u);
     if (value > 0.0) found = iso_refine(ray, before, t, value_before, value);

@@ -5,12 +5,12 @@
 
 void brace_cast(BraceRay ray, inout BraceResult result) {
   BRACE_COUNTERS_DECLARE
-  const int count = int(ceil(ray.length / cast_step_voxels));
+  const int count = int(ceil(ray.extent / cast_step_voxels));
   float largest = -1.0;
   float at = 0.0;
   for (int i = 0; i < count; ++i) {
-    const float t = min((float(i) + 0.5) * cast_step_voxels, ray.length);
-    const float coordinate = brace_transfer_coordinate(brace_volume_inside(ray.entry + t * ray.direction));
+    const float t = min((float(i) + 0.5) * cast_step_voxels, ray.extent);
+    const float coordinate = brace_transfer_coordinate(brace_value(brace_fetch(ray.entry + t * ray.direction)));
     BRACE_COUNT(samples, 1u);
     if (coordinate > largest) {
       largest = coordinate;

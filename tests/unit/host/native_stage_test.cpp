@@ -6,6 +6,7 @@
 #include <gtest/gtest.h>
 
 #include "base/error.hpp"
+#include "plugins/examples/broken/broken_stages.h"
 #include "runtime/host/plugin_library.hpp"
 #include "runtime/host/stage_activation.hpp"
 #include "runtime/volume/generators.hpp"
@@ -30,12 +31,9 @@ const std::filesystem::path alpha_beta = std::filesystem::path(EXAMPLE_PLUGINS) 
 const std::filesystem::path aimd = std::filesystem::path(EXAMPLE_PLUGINS) / "aimd_control.so";
 const std::filesystem::path broken = std::filesystem::path(BROKEN_PLUGINS) / "broken_stages.so";
 
-PipelineStage broken_stage(const char* family, const char* defect) {
+PipelineStage broken_stage(const char* family, broken_defect defect) {
   PipelineStage stage = stage_of(broken, family, "broken");
-  const auto& choices = stage.stage.parameters[0].choices;
-  const auto at = std::find(choices.begin(), choices.end(), defect);
-  EXPECT_NE(at, choices.end()) << defect;
-  stage.values[0] = static_cast<double>(at - choices.begin());
+  stage.values[0] = defect;
   return stage;
 }
 
@@ -111,14 +109,14 @@ TEST(NativeStage, AimdCutsOnOverloadAndRecovers) {
 }
 
 TEST(NativeStage, FailedCreateNamesStageFileAndCall) {
-  const PipelineStage stage = broken_stage("predict", "create_fails");
+  const PipelineStage stage = broken_stage("predict", BROKEN_CREATE_FAILS);
   EXPECT_THAT(plugin_error([&] { NativeStage object(stage); }),
               AllOf(HasSubstr("broken_stages.so"), HasSubstr("predict/broken"), HasSubstr("create"),
                     HasSubstr("found null")));
 }
 
 TEST(NativeStage, FailedActivationQuotesTheStagesOwnWords) {
-  NativeStage stage(broken_stage("control", "activate_fails"));
+  NativeStage stage(broken_stage("control", BROKEN_ACTIVATE_FAILS));
   EXPECT_THAT(plugin_error([&] { stage.activate(); }),
               AllOf(HasSubstr("activate"), HasSubstr("BRACE_UNSUPPORTED"),
                     HasSubstr("this stage does not activate")));
@@ -126,7 +124,7 @@ TEST(NativeStage, FailedActivationQuotesTheStagesOwnWords) {
 }
 
 TEST(NativeStage, FailedFrameQuotesTheStagesOwnWords) {
-  NativeStage stage(broken_stage("cast", "record_fails"));
+  NativeStage stage(broken_stage("cast", BROKEN_RECORD_FAILS));
   stage.activate();
   const brace_cast_frame frame{};
   EXPECT_THAT(plugin_error([&] { stage.cast(frame); }),
