@@ -261,14 +261,25 @@ void Image::swap(Image& other) noexcept {
   std::swap(view_, other.view_);
 }
 
+namespace {
+
+VkSamplerAddressMode address_mode(Address address) {
+  switch (address) {
+    case Address::clamp_to_edge: return VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE;
+    case Address::clamp_to_zero: return VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_BORDER;
+    case Address::mirror: return VK_SAMPLER_ADDRESS_MODE_MIRRORED_REPEAT;
+  }
+  return VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE;
+}
+
+}  // namespace
+
 Sampler::Sampler(const Device& device, std::string name, Filter filter, Address address) : Sampler() {
   context_ = &device.context();
   VkSamplerCreateInfo info{VK_STRUCTURE_TYPE_SAMPLER_CREATE_INFO};
   info.magFilter = info.minFilter = filter == Filter::linear ? VK_FILTER_LINEAR : VK_FILTER_NEAREST;
   info.mipmapMode = VK_SAMPLER_MIPMAP_MODE_NEAREST;
-  info.addressModeU = info.addressModeV = info.addressModeW = address == Address::clamp_to_edge
-                                                                  ? VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE
-                                                                  : VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_BORDER;
+  info.addressModeU = info.addressModeV = info.addressModeW = address_mode(address);
   info.borderColor = VK_BORDER_COLOR_FLOAT_TRANSPARENT_BLACK;
   check_vk(context_->vk.vkCreateSampler(context_->device, &info, nullptr, &handle_), *context_,
            "create sampler '" + name + "'");

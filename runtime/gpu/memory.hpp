@@ -161,7 +161,7 @@ class Image3D : public Image {
 };
 
 enum class Filter { nearest, linear };
-enum class Address { clamp_to_edge, clamp_to_zero };
+enum class Address { clamp_to_edge, clamp_to_zero, mirror };
 
 class Sampler {
  public:

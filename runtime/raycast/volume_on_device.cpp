@@ -146,7 +146,9 @@ void VolumeOnDevice::stream_to_image(const gpu::Device& device, VolumeSource& so
                                      const Progress& progress) {
   image_ =
       gpu::Image3D(device, "volume", {info_.dims[0], info_.dims[1], info_.dims[2]}, image_format(info_.type));
-  sampler_ = gpu::Sampler(device, "volume", gpu::Filter::linear, gpu::Address::clamp_to_edge);
+  // Up to half a voxel outside the box mirroring is clamping. Lavapipe filters 8-bit images with 8-bit sums
+  // where it may assume clamping or repeating, and as floats otherwise.
+  sampler_ = gpu::Sampler(device, "volume", gpu::Filter::linear, gpu::Address::mirror);
   device_bytes_ = info_.byte_count();
   const int slices_max = slab_slices(info_, kSlabBytes);
   std::vector<std::byte> slab;
