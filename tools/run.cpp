@@ -65,9 +65,12 @@ void print_headlines(const nlohmann::ordered_json& summary, const std::filesyste
 int run_command(const RunCommand& command) {
   const StageRegistry stages = make_stage_registry();
   const std::vector<LabelledSession> sessions = sessions_of(command, stages);
-  const std::filesystem::path out =
-      command.out.empty() ? std::filesystem::path("runs") / sessions.front().session.name : command.out;
-  const std::string summary = replay(sessions, {data_folder(), command.gpu, BRACE_VERSION}, out);
+  const std::filesystem::path out = command.out.empty()
+                                        ? std::filesystem::path("runs") / sessions.front().session.name
+                                        : std::filesystem::path(command.out);
+  const std::string summary =
+      replay(sessions,
+             {data_folder(), command.gpu, BRACE_VERSION, {stages.find("warp", "none", "built in"), {}}}, out);
   if (command.json) {
     fmt::print("{}\n", summary);
   } else {

@@ -1,28 +1,23 @@
 #pragma once
 
 #include <array>
-#include <cstdint>
 #include <optional>
 #include <vector>
 
-#include "base/image.hpp"
-#include "runtime/display/display_pipeline.hpp"
 #include "runtime/frame/frame_work.hpp"
-#include "runtime/replay/eye_renderer.hpp"
+#include "runtime/replay/panel_display.hpp"
 #include "runtime/replay/vsync_selection.hpp"
 #include "runtime/report/report_input.hpp"
 #include "runtime/report/run_directory.hpp"
 
 namespace brace {
 
-/// What the panels of both eyes show, indexed by sim::Eye.
-using PanelPair = std::array<ImageRgba8, 2>;
-
 /// The Vulkan renderer behind the frame loop: eye frames into the slots of the ray-casting swap-chain, warped
 /// and distorted onto the panels; and, for the vsyncs that the session selects, the error of what the eye
 /// gets against an ideal render from the true pose at photon time, and its pictures.
 class PixelWork final : public FrameWork {
  public:
+  /// Everything referred to must outlive it.
   struct Inputs {
     const gpu::Device& device;
     const Session& session;
@@ -30,9 +25,10 @@ class PixelWork final : public FrameWork {
     const SceneOnDevice& scene;
     const VolumePlacement& placement;
     const std::filesystem::path& data_folder;
-    std::int64_t vsyncs = 0;      // of the whole run
-    RunDirectory* run = nullptr;  // where pictures go; null: nowhere
-    std::string picture_folder;   // in the run directory
+    const PipelineStage& no_warp;  // warp/none: what the ideal picture is shown with
+    std::int64_t vsyncs = 0;       // of the whole run
+    RunDirectory& run;             // where pictures go
+    std::string picture_folder;    // in the run directory
   };
   explicit PixelWork(const Inputs& inputs);
 
@@ -43,19 +39,23 @@ class PixelWork final : public FrameWork {
   const std::vector<EyePicture>& pictures() const { return pictures_; }
 
  private:
+  /// An ideal render: full quality, the true pose, no warp.
+  struct Ideal {
+    EyeRenderer renderer;
+    PanelDisplay display;
+    EyePair eyes;
+  };
+
+  ShowOutcome measure_error(const Pose& true_world_from_head);
   void keep_pictures(std::int64_t vsync_index);
-  void render_ideal(const Pose& world_from_head);
 
   Inputs in_;
   VsyncSelection error_at_, pictures_at_;
   EyeRenderer renderer_;
   std::array<EyePair, frame_slots> slots_;
-  DisplayPipeline display_;
-  PanelPair waiting_, shown_;  // of the last warp; of the panel
-  std::optional<EyeRenderer> ideal_renderer_;
-  std::optional<DisplayPipeline> ideal_display_;
-  EyePair ideal_eyes_;
-  PanelPair ideal_;
+  PanelDisplay display_;
+  PanelPair waiting_, shown_;  // of the last warp; of the panels
+  std::optional<Ideal> ideal_;
   std::array<std::vector<std::uint8_t>, 2> visible_;
   std::vector<EyePicture> pictures_;
 };

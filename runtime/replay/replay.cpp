@@ -73,8 +73,14 @@ ReportInput report_input(const std::vector<LabelledSession>& sessions, const std
   input.deterministic = true;
   for (const Series& series : all) {
     input.deterministic = input.deterministic && series.deterministic;
-    input.series.push_back({series.label, series.pipeline, series.left_out, series.records.frames(),
-                            series.jobs, series.pictures});
+    RunSeries run;
+    run.label = series.label;
+    run.pipeline = series.pipeline;
+    run.left_out = series.left_out;
+    run.records = series.records.frames();
+    run.jobs = series.jobs;
+    run.pictures = series.pictures;
+    input.series.push_back(std::move(run));
   }
   input.facts = run_facts(session, head_trace, headset, all.front());
   input.tables.push_back(prediction_table(session, head_trace, headset));

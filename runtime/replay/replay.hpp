@@ -12,6 +12,7 @@ struct ReplayOptions {
   std::filesystem::path data_folder;  // share/brace
   std::string gpu;                    // the value of --gpu
   std::string version;                // of Brace
+  PipelineStage no_warp;              // warp/none: what ideal pictures are shown with
 };
 
 /// A session of a run; a comparison has several, with different labels.

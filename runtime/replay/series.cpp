@@ -104,12 +104,9 @@ std::vector<LeftOut> left_out(const Session& session, const Headset& headset) {
 
 /// Counts of work along the head's motion, from eye frames rendered at the true poses.
 CountedWork probe_work(EyeRenderer& renderer, const EyePair& eyes, HeadMotion head, std::int64_t vsyncs,
-                       const Headset& headset) {
+                       const Headset& headset, const WorkCounts& warp) {
   const sim::VsyncClock clock(SimTime(), headset.profile.refresh);
   const std::int64_t count = std::min<std::int64_t>(kProbes, vsyncs);
-  WorkCounts warp;
-  warp.texels = 2 * static_cast<std::uint64_t>(headset.panel.width_px) *
-                static_cast<std::uint64_t>(headset.panel.height_px);
   std::vector<WorkProbe> probes;
   ProgressMeter meter("probing work", static_cast<std::uint64_t>(count), "frames");
   for (std::int64_t i = 0; i < count; ++i) {
@@ -183,11 +180,13 @@ Series replay_series(const LabelledSession& labelled, const ReplayOptions& optio
   if (makes_pictures(session) || session.clock.cost == "measured") {
     const std::string folder = labelled.label.empty() ? "images" : "images-" + labelled.label;
     pixels.emplace(PixelWork::Inputs{*device, session, headset, *scene, placement, options.data_folder,
-                                     vsyncs, &run, folder});
+                                     options.no_warp, vsyncs, run, folder});
   } else if (scene) {
     EyeRenderer renderer(*device, session, headset, *scene, placement, options.data_folder,
                          EyeRenderer::Counting::on);
-    counted.emplace(probe_work(renderer, make_eye_pair(*device, headset.eye), head, vsyncs, headset));
+    counted.emplace(
+        probe_work(renderer, make_eye_pair(*device, headset.eye), head, vsyncs, headset,
+                   PanelDisplay(*device, headset, session.pipeline.at("warp"), options.data_folder).work()));
     series.facts.push_back({"counted work", probe_fact(vsyncs)});
   } else {
     counted.emplace(std::vector<WorkProbe>{{SimTime(), {}, {}}});

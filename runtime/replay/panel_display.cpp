@@ -1,0 +1,88 @@
+#include "runtime/replay/panel_display.hpp"
+
+#include "base/error.hpp"
+#include "runtime/host/stage_glsl.hpp"
+
+namespace brace {
+
+namespace {
+
+PanelEye panel_eye(const Headset& headset, sim::Eye eye) {
+  const sim::EyeProfile& profile = headset.profile.eye(eye);
+  return {headset.panel.width_px, headset.panel.height_px, profile.lens, profile.fov};
+}
+
+SourcePicture source_picture(const Headset& headset, sim::Eye eye) {
+  return {headset.eye.width_px, headset.eye.height_px, headset.profile.eye(eye).fov};
+}
+
+LensTraits headset_traits(const Headset& headset) {
+  return common_traits(lens_traits(headset.profile.eyes[0].lens), lens_traits(headset.profile.eyes[1].lens));
+}
+
+gpu::KernelDescription display_kernel(const PipelineStage& warp, const LensTraits& lens,
+                                      const std::filesystem::path& data_folder) {
+  const std::array<const PipelineStage*, 1> stages = {&warp};
+  StageGlsl glsl = stage_glsl(stages);
+  DisplayParts parts;
+  parts.glsl_folder = data_folder / "glsl";
+  parts.kernels_folder = data_folder / "kernels";
+  parts.stages = std::move(glsl.resolve);
+  parts.constants = std::move(glsl.constants);
+  parts.lens = lens;
+  return compose_display_kernel(parts);
+}
+
+}  // namespace
+
+PanelDisplay::PanelDisplay(const gpu::Device& device, const Headset& headset, const PipelineStage& warp,
+                           const std::filesystem::path& data_folder)
+    : device_(device),
+      headset_(headset),
+      lens_(headset_traits(headset)),
+      pipeline_(device, display_kernel(warp, lens_, data_folder)),
+      commands_(device, "panels") {
+  for (const sim::Eye eye : sim::all_eyes) {
+    panels_[static_cast<std::size_t>(eye)] =
+        PanelTarget(device, panel_eye(headset, eye), source_picture(headset, eye));
+  }
+}
+
+JobOutcome PanelDisplay::show(const EyePair& eyes, const Pose& render_pose, const Pose& warp_pose) {
+  commands_.reset();
+  commands_.begin_timing("display");
+  for (const sim::Eye eye : sim::all_eyes) {
+    const auto i = static_cast<std::size_t>(eye);
+    const Pose& head_from_eye = headset_.profile.eye(eye).head_from_eye;
+    panels_[i].set_poses(device_, compose(render_pose, head_from_eye), compose(warp_pose, head_from_eye));
+    pipeline_.record(commands_, panels_[i], eyes[i].image_texels);
+  }
+  commands_.end_timing();
+  commands_.barrier();
+  return {work(), SimDuration(gpu::device_ns(gpu::submit_and_wait(commands_), "display"))};
+}
+
+PanelPair PanelDisplay::read() const {
+  return {panels_[0].read(device_), panels_[1].read(device_)};
+}
+
+WorkCounts PanelDisplay::work() const {
+  WorkCounts work;
+  for (const PanelTarget& panel : panels_)
+    work.texels += panel.pixels_written();
+  return work;
+}
+
+std::vector<std::uint8_t> visible_pixels(const Headset& headset, sim::Eye eye) {
+  const sim::EyeProfile& profile = headset.profile.eye(eye);
+  const sim::HiddenAreaMask mask =
+      sim::hidden_area_mask(profile.lens, profile.fov, {headset.panel.width_px, headset.panel.height_px},
+                            {headset.eye.width_px, headset.eye.height_px});
+  std::vector<std::uint8_t> visible;
+  visible.reserve(mask.panel.pixels.size());
+  for (const std::uint8_t hidden : mask.panel.pixels)
+    visible.push_back(hidden == 0 ? 1 : 0);
+  return visible;
+}
+
+}  // namespace brace
