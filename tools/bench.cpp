@@ -1,7 +1,12 @@
 #include <fmt/core.h>
 
+#include <algorithm>
+#include <functional>
+
 #include "base/error.hpp"
 #include "base/suggest.hpp"
+#include "bench/distort.hpp"
+#include "bench/raycast.hpp"
 #include "bench/replay.hpp"
 #include "tools/command.hpp"
 
@@ -9,20 +14,55 @@ namespace brace {
 
 namespace {
 
-int run_replay(const BenchCommand& command) {
+gpu::DeviceOptions device_options(const BenchCommand& command) { return {.select = command.gpu}; }
+
+std::string run_raycast(const BenchCommand& command) {
+  RaycastBenchOptions options;
+  options.device = device_options(command);
+  options.data_folder = data_folder();
+  if (command.quick) options.repetitions = 3;
+  const RaycastBenchResult result = bench_raycast(options);
+  return command.json ? to_json(result) : to_text(result);
+}
+
+std::string run_distort(const BenchCommand& command) {
+  DistortBenchOptions options;
+  options.device = device_options(command);
+  options.data_folder = data_folder();
+  if (command.quick) options.repetitions = 10;
+  const DistortBenchResult result = bench_distort(options);
+  return command.json ? to_json(result) : to_text(result);
+}
+
+std::string run_replay(const BenchCommand& command) {
   ReplayBenchOptions options;
   options.simulated_hours = command.quick ? 0.5 : 24;
   options.model = find_cost_model(data_folder() / "costs", "gtx-1080");
   const ReplayBenchResult result = bench_replay(options);
-  fmt::print("{}\n", command.json ? to_json(result) : to_text(result));
-  return 0;
+  return command.json ? to_json(result) : to_text(result);
+}
+
+struct Benchmark {
+  std::string name;
+  std::function<std::string(const BenchCommand&)> run;
+};
+
+const std::vector<Benchmark>& benchmarks() {
+  static const std::vector<Benchmark> all = {
+      {"raycast", run_raycast}, {"replay", run_replay}, {"distort", run_distort}};
+  return all;
 }
 
 }  // namespace
 
 int bench_command(const BenchCommand& command) {
-  static const std::vector<std::string> names = {"replay"};
-  if (command.name == "replay") return run_replay(command);
+  std::vector<std::string> names;
+  for (const Benchmark& benchmark : benchmarks()) {
+    names.push_back(benchmark.name);
+    if (benchmark.name != command.name) continue;
+    fmt::print("{}\n", benchmark.run(command));
+    return static_cast<int>(ExitCode::done);
+  }
   throw input_error("bench: there is no benchmark '{}'{}; accepted: {}", command.name,
                     did_you_mean(command.name, names), join(names));
 }
