@@ -1,4 +1,5 @@
 brace_test(skip_test LABEL gpu LIBRARIES brace::skip brace::host brace::raycast SOURCES
+  skip/choose_test.cpp
   skip/images_test.cpp
   skip/oracle.cpp
   skip/partitioning_test.cpp

@@ -16,14 +16,14 @@ ivec3 brace_skip_block(vec3 voxel) {
   return clamp(ivec3(voxel * brace_skip_params.edge.y), ivec3(0), ivec3(brace_skip_params.blocks.xyz) - 1);
 }
 
-// Steps of the lattice from a sample at `voxel` to the first one that may lie outside the cube of voxels
-// [low, high]; at least 1. The samples between lie inside.
+// Steps of the lattice from a sample at `voxel` to the first one beyond the cube of voxels [low, high]; at least 1.
+// The samples between lie inside or, by rounding, a hair beyond a face, which blocks know half a voxel of.
 int brace_skip_leap(BraceRay ray, vec3 voxel, vec3 low, vec3 high, float step) {
   const vec3 face = mix(low, high, greaterThan(ray.direction, vec3(0.0)));
   // A ray parallel to an axis never leaves along it.
   const bvec3 still = lessThan(abs(ray.direction), vec3(1e-20));
   const vec3 away = mix((face - voxel) / mix(ray.direction, vec3(1.0), still), vec3(1e9), still);
-  return max(1, int(min(min(away.x, min(away.y, away.z)) * (1.0 / step), 1048576.0)));
+  return 1 + max(0, int(min(min(away.x, min(away.y, away.z)) * (1.0 / step), 1048576.0)));
 }
 
 // The same from the distance in blocks to the nearest occupied block: all that are nearer are empty.
