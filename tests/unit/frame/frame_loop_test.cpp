@@ -92,6 +92,7 @@ TEST(FrameLoop, SlowCastsOnTheirOwnGpuOrPreemptedCostNoVsync) {
   for (const QueueKind queue : {QueueKind::dual, QueueKind::priority}) {
     Rig rig;
     rig.config.queue = queue;
+    rig.config.warp_margin = ms(0);  // the lead alone must do
     const RunRecords records = rig.run(37.0, 1.0);
     EXPECT_EQ(missed_count(records), 0);
     for (const FrameRecord& r : records.frames()) {
@@ -198,9 +199,54 @@ TEST(FrameLoop, ErrorsOfATurningHeadAreRateTimesLatency) {
     }
   }
   rig.predictor = &stages::predict_constant_rate;
-  for (const FrameRecord& r : rig.run(5.0, 1.0).frames()) {
+  const RunRecords predicted = rig.run(5.0, 1.0);
+  for (const FrameRecord& r : predicted.frames()) {
     if (r.displayed_frame >= 3) {
       ASSERT_LE(r.angular_error_rad, 1e-9) << "a steady turn is predicted exactly";
+    }
+  }
+}
+
+TEST(FrameLoop, ErrorsOfAMovingHeadAreSpeedTimesLatencyUnlessTheWarpTranslates) {
+  std::vector<sim::TimedPose> poses;
+  for (int i = 0; i <= 2000; ++i) {
+    poses.push_back(
+        {sim_time(i * 1'000'000LL), {.orientation = {1, 0, 0, 0}, .position = {0.001 * i, 1.6, 0}}});
+  }
+  Rig rig;
+  rig.trace = sim::PoseTrace("1 m/s to the right", poses);
+  rig.predictor = &stages::predict_none;
+  for (const WarpPose warp : {WarpPose::none, WarpPose::rotation, WarpPose::rotation_and_translation}) {
+    rig.config.warp_pose = warp;
+    const RunRecords records = rig.run(5.0, 1.0);
+    for (const FrameRecord& r : records.frames()) {
+      if (r.displayed_frame >= 0) {
+        ASSERT_NEAR(r.position_error_m, static_cast<double>(r.mtp_translation_ns) * 1e-9, 1e-9);
+      }
+    }
+  }
+}
+
+TEST(FrameLoop, AFrameIsPredictedForALaterVsyncThanTheOneWhereTheFrameBeforeItIsSeen) {
+  // From the records alone: warps are always in time, so a frame done before a latch is seen at its vsync.
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    Rig rig;
+    rig.config.queue = QueueKind::dual;
+    rig.config.warp_lead = ms(2);
+    RandomCost cost(seed, 14, 1.9);
+    RunRecords records;
+    rig.run(records, cost);
+    const FrameRecord* last = nullptr;
+    for (const FrameRecord& r : records.frames()) {
+      const bool is_new =
+          r.displayed_frame >= 0 && (last == nullptr || last->displayed_frame != r.displayed_frame);
+      if (is_new && last != nullptr && last->displayed_frame + 1 == r.displayed_frame) {
+        ASSERT_GT(r.render_target_ns, last->photon_mid_ns)
+            << "seed " << seed << " frame " << r.displayed_frame;
+      }
+      if (is_new) {
+        last = &r;
+      }
     }
   }
 }
@@ -226,6 +272,64 @@ TEST(FrameLoop, EveryJobIsRecordedOnceFinishedOrNot) {
   for (std::size_t i = 0; i < jobs.size(); ++i)
     ASSERT_EQ(jobs[i].job, static_cast<std::int64_t>(i));
   EXPECT_EQ(jobs.back().end_ns, -1) << "the last was under way";
+}
+
+/// Checks what the pixel side relies on: who reads and writes which slot when, and in which order calls come.
+class ContractWork final : public FrameWork {
+ public:
+  JobOutcome cast(const CastRequest& request) override {
+    EXPECT_EQ(request.frame, last_cast_ + 1);
+    EXPECT_GE(request.slot, 0);
+    EXPECT_LT(request.slot, frame_slots);
+    last_cast_ = slots_[request.slot] = request.frame;
+    return {};
+  }
+  JobOutcome warp(const WarpRequest& request) override {
+    EXPECT_FALSE(waiting_) << "one image between latch and vsync";
+    EXPECT_EQ(slots_[request.slot], request.frame) << "the slot was cast over";
+    EXPECT_GT(request.vsync_index, last_shown_);
+    waiting_ = true;
+    return {};
+  }
+  ShowOutcome show(const ShowRequest& request) override {
+    if (last_shown_ >= 0) {
+      EXPECT_EQ(request.vsync_index, last_shown_ + 1);
+    }
+    EXPECT_TRUE(waiting_ || !request.image_is_new);
+    EXPECT_TRUE(last_shown_ >= 0 || request.image_is_new);
+    if (request.image_is_new) {
+      waiting_ = false;
+    }
+    last_shown_ = request.vsync_index;
+    return {0.25, 0.5};
+  }
+
+ private:
+  std::int64_t slots_[frame_slots] = {-1, -1};
+  std::int64_t last_cast_ = -1, last_shown_ = -1;
+  bool waiting_ = false;
+};
+
+TEST(FrameLoop, CallsToThePixelSideKeepTheContractUnderRandomLoads) {
+  std::uint64_t seed = 0;
+  for (const QueueKind queue : {QueueKind::single, QueueKind::priority, QueueKind::dual}) {
+    for (const WarpPose warp : {WarpPose::none, WarpPose::rotation}) {
+      for (const Pace pace : {Pace::vsync, Pace::free}) {
+        Rig rig;
+        ContractWork work;
+        rig.work = &work;
+        rig.config.queue = queue;
+        rig.config.warp_pose = warp;
+        rig.config.pace = pace;
+        RandomCost cost(++seed, 40, 14);
+        RunRecords records;
+        rig.run(records, cost);
+        for (const FrameRecord& r : records.frames()) {
+          ASSERT_EQ(r.displayed_frame >= 0, r.dssim_left == 0.25 && r.dssim_right == 0.5);
+        }
+      }
+    }
+  }
 }
 
 brace_result full_then_half(void* self, const brace_control_input* input, double* quality) {
@@ -256,6 +360,17 @@ TEST(FrameLoop, ControlHearsOfEveryFrameAndItsQualityReachesTheNextCast) {
       ASSERT_EQ(job.work.samples, job.index < 3 ? 1000U : 500U);
     }
   }
+}
+
+TEST(FrameLoop, WarpsDearerThanAPeriodLeaveNoBudgetButNeverANegativeOne) {
+  Rig rig;
+  std::vector<brace_control_input> calls;
+  const brace_control_functions functions{sizeof(brace_control_functions), full_then_half};
+  rig.control = {&functions, &calls};
+  rig.config.queue = QueueKind::dual;
+  rig.run(5.0, 40.0);
+  ASSERT_GT(calls.size(), 20U);
+  EXPECT_EQ(calls.back().budget_ns, 0);
 }
 
 brace_result broken_predictor(void*, const brace_tracker_sample*, std::uint32_t, std::int64_t,

@@ -116,6 +116,7 @@ TEST(CostFit, OptimalityConditionsOfNonNegativeLeastSquaresHold) {
       }
     }
     for (int k = 0; k < 5; ++k) {
+      EXPECT_GE(prices[k], 0);
       EXPECT_GE(gradient[k], -1e-9 * size[k]) << "price " << k << " should have been raised";
       if (prices[k] > 0) {
         EXPECT_LE(gradient[k], 1e-9 * size[k]) << "price " << k << " should have been lowered";
