@@ -174,6 +174,18 @@ TEST(HiddenArea, NoPanelPixelReadsAHiddenSourcePixel) {
   EXPECT_EQ(mask.source.at(target.x - 1, target.y / 2), 1);  // the nose side of the target is never shown
 }
 
+TEST(HiddenArea, SourceMaskHasNoHolesWhereThePanelIsCoarserThanTheTarget) {
+  const DeviceProfile vive = find_device_profile(folder, "htc-vive");
+  const EyeProfile& eye = vive.eye(Eye::left);
+  const HiddenAreaMask coarse = hidden_area_mask(eye.lens, eye.fov, {9, 10}, {93, 103});
+  const HiddenAreaMask fine = hidden_area_mask(eye.lens, eye.fov, {216, 240}, {93, 103});
+  int differing = 0;
+  for (std::size_t i = 0; i < fine.source.pixels.size(); ++i) {
+    differing += coarse.source.pixels[i] != fine.source.pixels[i];
+  }
+  EXPECT_LT(differing, 93 * 103 / 50);  // at the rim only
+}
+
 TEST(DistortionMesh, VerticesCarryTheMappingOfEveryChannel) {
   const DeviceProfile vive = find_device_profile(folder, "htc-vive");
   const EyeProfile& eye = vive.eye(Eye::right);
