@@ -7,11 +7,21 @@ namespace brace {
 
 namespace {
 
+bool is_native(const Session& session, const char* family) {
+  return session.pipeline.at(family).stage.native != nullptr;
+}
+
 CastKernels session_kernels(const Session& session, const SceneOnDevice& scene,
                             const std::filesystem::path& data_folder, bool counters) {
   const std::array<const PipelineStage*, 4> stages = {
       &session.pipeline.at("rays"), &session.pipeline.at("cast"), &session.pipeline.at("skip"),
       &session.pipeline.at("stereo")};
+  for (const char* family : {"skip", "stereo"}) {
+    if (!is_native(session, family)) continue;
+    const StageInfo& stage = session.pipeline.at(family).stage;
+    throw input_error("{}: stage {} is a shared library's; accepted for pipeline.{}: GLSL stages",
+                      stage.origin.string(), stage.id(), family);
+  }
   StageGlsl glsl = stage_glsl(stages);
   CastParts parts;
   parts.glsl_folder = data_folder / "glsl";
@@ -20,7 +30,17 @@ CastKernels session_kernels(const Session& session, const SceneOnDevice& scene,
   parts.constants = std::move(glsl.constants);
   parts.phong = session.scene.shading == "phong";
   parts.counters = counters;
+  parts.native_rays = is_native(session, "rays");
+  parts.native_cast = is_native(session, "cast");
   return compose_cast_kernels(parts, scene.volume);
+}
+
+WorkCounts sum(WorkCounts a, const WorkCounts& b) {
+  a.rays += b.rays;
+  a.samples += b.samples;
+  a.skip_steps += b.skip_steps;
+  a.shading_fetches += b.shading_fetches;
+  return a;
 }
 
 std::int64_t total_ns(std::span<const gpu::Timing> timings) {
@@ -46,16 +66,64 @@ EyeRenderer::EyeRenderer(const gpu::Device& device, const Session& session, cons
       counting_(counting),
       pipeline_(device, session_kernels(session, scene, data_folder, counting == Counting::on)),
       rays_(device, headset.eye.width_px, headset.eye.height_px),
-      commands_(device, "eyes") {}
+      commands_(device, "eyes") {
+  activate_native_stages(session);
+}
+
+void EyeRenderer::activate_native_stages(const Session& session) {
+  const auto make = [&](const char* family, NativeStage& stage) {
+    if (!is_native(session, family)) return;
+    if (activation_ == nullptr) {
+      activation_ = std::make_unique<StageActivation>(
+          activation_input(device_, scene_.volume, placement_, scene_.table, step_voxels_of(session),
+                           headset_.eye.width_px, headset_.eye.height_px));
+    }
+    stage = NativeStage(session.pipeline.at(family));
+    try {
+      stage.activate(activation_->get());
+    } catch (const Error&) {
+      activation_->rethrow_read_error();
+      throw;
+    }
+  };
+  make("rays", native_rays_);
+  make("cast", native_cast_);
+}
+
+JobOutcome EyeRenderer::render_with_native_stages(const Pose& world_from_head, const EyePair& into) {
+  JobOutcome outcome;
+  for (const sim::Eye eye : sim::all_eyes) {
+    const EyeTarget& target = into[static_cast<std::size_t>(eye)];
+    const EyeView view = eye_view(headset_, eye, world_from_head);
+    CastPipeline::set_eye(device_, target, view, placement_, scene_.volume, scene_.transfer);
+    const CastPipeline::Resources resources{scene_.volume, scene_.transfer, rays_, target,
+                                            scene_.skip_bindings()};
+    const EyeCast cast{.device = device_,
+                       .pipeline = pipeline_,
+                       .resources = resources,
+                       .view = view,
+                       .eye = static_cast<std::uint32_t>(eye),
+                       .frame = frame_,
+                       .rays = native_rays_ ? &native_rays_ : nullptr,
+                       .cast = native_cast_ ? &native_cast_ : nullptr};
+    const EyeCastOutcome done = cast_eye(cast, commands_, host_rays_);
+    outcome.device_time += SimDuration(done.time_ns);
+    outcome.work = sum(outcome.work, done.counted);
+  }
+  ++frame_;
+  if (counting_ == Counting::on) outcome.work = sum(outcome.work, pipeline_.counted(device_));
+  return outcome;
+}
 
 JobOutcome EyeRenderer::render(const Pose& world_from_head, const EyePair& into) {
   if (counting_ == Counting::on) pipeline_.reset_counters(device_);
+  if (activation_ != nullptr) return render_with_native_stages(world_from_head, into);
   commands_.reset();
   for (const sim::Eye eye : sim::all_eyes) {
     const EyeTarget& target = into[static_cast<std::size_t>(eye)];
     CastPipeline::set_eye(device_, target, eye_view(headset_, eye, world_from_head), placement_,
                           scene_.volume, scene_.transfer);
-    pipeline_.record(commands_, {scene_.volume, scene_.transfer, rays_, target});
+    pipeline_.record(commands_, {scene_.volume, scene_.transfer, rays_, target, scene_.skip_bindings()});
   }
   JobOutcome outcome;
   outcome.device_time = SimDuration(total_ns(gpu::submit_and_wait(commands_)));

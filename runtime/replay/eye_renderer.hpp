@@ -1,9 +1,11 @@
 #pragma once
 
 #include <array>
+#include <memory>
 
 #include "runtime/frame/frame_work.hpp"
 #include "runtime/raycast/cast_pipeline.hpp"
+#include "runtime/raycast/native_steps.hpp"
 #include "runtime/replay/headset.hpp"
 #include "runtime/replay/scene.hpp"
 
@@ -14,12 +16,13 @@ using EyePair = std::array<EyeTarget, 2>;
 
 EyePair make_eye_pair(const gpu::Device& device, PictureSize size);
 
-/// Ray casts both eyes of a head pose. Device, headset and scene must outlive it; it stays where it is.
+/// Ray casts both eyes of a head pose. Device, headset and scene must outlive it.
 class EyeRenderer {
  public:
   enum class Counting { off, on };
 
-  /// `families`: the session's stages for rays, cast and skip are taken from its pipeline.
+  /// The session's stages for rays, cast and skip are taken from its pipeline; rays and cast may be native.
+  /// Throws input_error for another native one, device_error when a stage cannot be activated.
   EyeRenderer(const gpu::Device& device, const Session& session, const Headset& headset,
               const SceneOnDevice& scene, const VolumePlacement& placement,
               const std::filesystem::path& data_folder, Counting counting);
@@ -27,6 +30,9 @@ class EyeRenderer {
   JobOutcome render(const Pose& world_from_head, const EyePair& into);
 
  private:
+  void activate_native_stages(const Session& session);
+  JobOutcome render_with_native_stages(const Pose& world_from_head, const EyePair& into);
+
   const gpu::Device& device_;
   const Headset& headset_;
   const SceneOnDevice& scene_;
@@ -35,6 +41,13 @@ class EyeRenderer {
   CastPipeline pipeline_;
   RayBuffers rays_;
   gpu::CommandList commands_;
+
+  // Empty where the pipeline's kernels do the work. The stages are deactivated before what they point to
+  // goes.
+  std::unique_ptr<StageActivation> activation_;
+  NativeStage native_rays_, native_cast_;
+  HostRays host_rays_;
+  std::uint64_t frame_ = 0;
 };
 
 }  // namespace brace

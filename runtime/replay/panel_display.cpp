@@ -22,6 +22,10 @@ LensTraits headset_traits(const Headset& headset) {
 
 gpu::KernelDescription display_kernel(const PipelineStage& warp, const LensTraits& lens,
                                       const std::filesystem::path& data_folder) {
+  if (warp.stage.native != nullptr) {
+    throw input_error("{}: stage {} is a shared library's; accepted for pipeline.warp: GLSL stages",
+                      warp.stage.origin.string(), warp.stage.id());
+  }
   const std::array<const PipelineStage*, 1> stages = {&warp};
   StageGlsl glsl = stage_glsl(stages);
   DisplayParts parts;

@@ -8,12 +8,12 @@
 namespace brace {
 
 ReportTable prediction_table(const Session& session, const HeadTrace& head_trace, const Headset& headset) {
-  const StageInstance stage(session.pipeline.at("predict"));
-  const auto* functions = stage.functions<brace_predict_functions>();
+  const NativeStage stage = live_stage(session.pipeline.at("predict"));
+  const brace_predict_functions& functions = stage.predict_functions();
   const auto predict = [&](std::span<const brace_tracker_sample> history, SimTime target) {
     brace_pose pose{};
-    if (functions->predict(stage.self(), history.data(), static_cast<std::uint32_t>(history.size()),
-                           to_ns(target), &pose) != BRACE_OK) {
+    if (functions.predict(stage.self(), history.data(), static_cast<std::uint32_t>(history.size()),
+                          to_ns(target), &pose) != BRACE_OK) {
       throw device_error("stage {} failed", session.pipeline.at("predict").stage.id());
     }
     return sim::from_abi(pose);

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -13,7 +15,18 @@ struct ReplayOptions {
   std::string gpu;                    // the value of --gpu
   std::string version;                // of Brace
   PipelineStage no_warp;              // warp/none: what ideal pictures are shown with
+  std::function<bool()> interrupted;  // asked often; once true, the replay ends with Interrupted
 };
+
+/// The user asked the replay to end.
+class Interrupted : public std::runtime_error {
+ public:
+  Interrupted() : std::runtime_error("interrupted") {}
+};
+
+inline void throw_if_interrupted(const ReplayOptions& options) {
+  if (options.interrupted && options.interrupted()) throw Interrupted();
+}
 
 /// A session of a run; a comparison has several, with different labels.
 struct LabelledSession {
@@ -22,7 +35,7 @@ struct LabelledSession {
 };
 
 /// Replays the sessions and writes one run directory for all of them; the first one is the run's own. Returns
-/// the text of summary.json. Throws brace::Error; then there is no run directory.
+/// the text of summary.json. Throws brace::Error or Interrupted; then there is no run directory.
 std::string replay(const std::vector<LabelledSession>& sessions, const ReplayOptions& options,
                    const std::filesystem::path& destination);
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "runtime/gpu/shader_compiler.hpp"
 #include "runtime/report/progress.hpp"
 
 namespace brace {
@@ -17,6 +18,22 @@ TransferFunction session_transfer_function(const Session::Scene& scene, ValueRan
   return with_window(tf, {.level = level, .width = width});
 }
 
+void build_skip_structure(const gpu::Device& device, const Session& session,
+                          const std::filesystem::path& data_folder, SceneOnDevice& scene) {
+  const SkipOptions options = skip_options(session.pipeline.at("skip"), gpu::default_cache_folder() / "skip");
+  if (options.kind == SkipKind::none) return;
+  scene.skip_memory = skip_memory(scene.volume.info(), options).formula;
+  scene.skip_kernels = std::make_unique<SkipKernels>(device, data_folder / "kernels" / "skip");
+  ProgressMeter meter("building " + session.pipeline.at("skip").stage.id(), 1000, "‰");
+  scene.skip = make_skip_structure(
+      *scene.skip_kernels, {scene.volume, scene.statistics, std::span(&scene.table, 1)}, options,
+      [&](double fraction) { meter.update(static_cast<std::uint64_t>(fraction * 1000.0)); });
+  meter.finish();
+  gpu::CommandList commands(device, "skip update");
+  scene.skip->update(commands, scene.table);
+  gpu::submit_and_wait(commands);
+}
+
 }  // namespace
 
 double step_voxels_of(const Session& session) {
@@ -27,32 +44,35 @@ double step_voxels_of(const Session& session) {
   return 0.5;
 }
 
-SceneOnDevice load_scene(const gpu::Device& device, const Session& session,
-                         const std::filesystem::path& data_folder) {
+std::unique_ptr<SceneOnDevice> load_scene(const gpu::Device& device, const Session& session,
+                                          const ReplayOptions& options) {
   const Session::Scene& wanted = session.scene;
-  OpenOptions options;
-  options.non_finite = wanted.nan == "empty" ? NonFinitePolicy::treat_as_empty : NonFinitePolicy::reject;
-  const std::unique_ptr<VolumeSource> source = open_volume(wanted.volume, options);
+  OpenOptions open;
+  open.non_finite = wanted.nan == "empty" ? NonFinitePolicy::treat_as_empty : NonFinitePolicy::reject;
+  const std::unique_ptr<VolumeSource> source = open_volume(wanted.volume, open);
 
   ProgressMeter meter("loading", 1000, "‰");
   VoxelScan scan(source->info().type);
-  SceneOnDevice scene;
-  scene.volume =
-      VolumeOnDevice(device, *source, parse_volume_path(wanted.data_path), &scan,
-                     [&](double fraction) { meter.update(static_cast<std::uint64_t>(fraction * 1000.0)); });
+  auto scene = std::make_unique<SceneOnDevice>();
+  scene->volume =
+      VolumeOnDevice(device, *source, parse_volume_path(wanted.data_path), &scan, [&](double fraction) {
+        meter.update(static_cast<std::uint64_t>(fraction * 1000.0));
+        throw_if_interrupted(options);
+      });
   meter.finish();
-  scene.statistics = scan.result();
+  scene->statistics = scan.result();
 
-  const VolumeInfo& info = scene.volume.info();
-  const ValueRange range = scene.statistics.range;
-  const TransferFunction tf = session_transfer_function(wanted, range, data_folder);
+  const VolumeInfo& info = scene->volume.info();
+  const ValueRange range = scene->statistics.range;
+  const TransferFunction tf = session_transfer_function(wanted, range, options.data_folder);
   const auto edges = box_size(info);
   const double voxel_length_m =
       wanted.size_m * voxel_length(info) / *std::max_element(edges.begin(), edges.end());
   TableLayout layout = table_layout(info.type, range);
   if (wanted.table_entries) layout.entries = *wanted.table_entries;
-  scene.table = bake(resolve(tf, range, voxel_length_m), layout);
-  scene.transfer = TransferOnDevice(device, scene.table, step_voxels_of(session));
+  scene->table = bake(resolve(tf, range, voxel_length_m), layout);
+  scene->transfer = TransferOnDevice(device, scene->table, step_voxels_of(session));
+  build_skip_structure(device, session, options.data_folder, *scene);
   return scene;
 }
 

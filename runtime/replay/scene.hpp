@@ -1,10 +1,9 @@
 #pragma once
 
-#include <filesystem>
-
 #include "runtime/raycast/transfer_on_device.hpp"
 #include "runtime/raycast/volume_on_device.hpp"
-#include "runtime/session/session.hpp"
+#include "runtime/replay/replay.hpp"
+#include "runtime/skip/skip_structure.hpp"
 #include "runtime/volume/statistics.hpp"
 
 namespace brace {
@@ -15,13 +14,22 @@ struct SceneOnDevice {
   TransferTable table;
   TransferOnDevice transfer;  // with the cast stage's step baked in
   VoxelStatistics statistics;
+  std::unique_ptr<SkipKernels> skip_kernels;
+  std::unique_ptr<SkipStructure> skip;  // null for skip/none
+  std::string skip_memory;              // what the structure takes and why, for the report; "" without one
+
+  /// What the skip stage's snippet binds.
+  std::span<const gpu::Binding> skip_bindings() const {
+    return skip ? skip->bindings() : std::span<const gpu::Binding>();
+  }
 };
 
 /// Distance between samples in the smallest voxel spacing: the cast stage's step_voxels, 0.5 if it has none.
 double step_voxels_of(const Session& session);
 
-/// Streams the volume to the device and bakes the transfer function. Throws brace::Error.
-SceneOnDevice load_scene(const gpu::Device& device, const Session& session,
-                         const std::filesystem::path& data_folder);
+/// Streams the volume to the device, bakes the transfer function and builds the skip stage's structure, which
+/// refers to the volume: the scene stays where it is. Throws brace::Error or Interrupted.
+std::unique_ptr<SceneOnDevice> load_scene(const gpu::Device& device, const Session& session,
+                                          const ReplayOptions& options);
 
 }  // namespace brace

@@ -104,7 +104,7 @@ std::vector<LeftOut> left_out(const Session& session, const Headset& headset) {
 
 /// Counts of work along the head's motion, from eye frames rendered at the true poses.
 CountedWork probe_work(EyeRenderer& renderer, const EyePair& eyes, HeadMotion head, std::int64_t vsyncs,
-                       const Headset& headset, const WorkCounts& warp) {
+                       const Headset& headset, const WorkCounts& warp, const ReplayOptions& options) {
   const sim::VsyncClock clock(SimTime(), headset.profile.refresh);
   const std::int64_t count = std::min<std::int64_t>(kProbes, vsyncs);
   std::vector<WorkProbe> probes;
@@ -113,6 +113,7 @@ CountedWork probe_work(EyeRenderer& renderer, const EyePair& eyes, HeadMotion he
     const SimTime time = clock.time_of(count == 1 ? 0 : i * (vsyncs - 1) / (count - 1));
     probes.push_back({time, renderer.render(head.true_pose(time), eyes).work, warp});
     meter.update(static_cast<std::uint64_t>(i + 1));
+    throw_if_interrupted(options);
   }
   meter.finish();
   return CountedWork(std::move(probes));
@@ -120,17 +121,21 @@ CountedWork probe_work(EyeRenderer& renderer, const EyePair& eyes, HeadMotion he
 
 class ProgressSink final : public RecordSink {
  public:
-  ProgressSink(RunRecords& records, std::int64_t vsyncs)
-      : records_(records), meter_("replaying", static_cast<std::uint64_t>(vsyncs), "vsyncs") {}
+  ProgressSink(RunRecords& records, std::int64_t vsyncs, const ReplayOptions& options)
+      : records_(records),
+        options_(options),
+        meter_("replaying", static_cast<std::uint64_t>(vsyncs), "vsyncs") {}
   void add(const FrameRecord& record) override {
     records_.add(record);
     meter_.update(static_cast<std::uint64_t>(record.vsync_index + 1));
+    throw_if_interrupted(options_);
   }
   void add(const JobRecord& record) override { records_.add(record); }
   void finish() { meter_.finish(); }
 
  private:
   RunRecords& records_;
+  const ReplayOptions& options_;
   ProgressMeter meter_;
 };
 
@@ -168,25 +173,26 @@ Series replay_series(const LabelledSession& labelled, const ReplayOptions& optio
   const std::unique_ptr<CostSource> cost = make_cost(session, options.data_folder);
   series.deterministic = cost->deterministic();
 
-  std::optional<SceneOnDevice> scene;
+  std::unique_ptr<SceneOnDevice> scene;
   std::optional<PixelWork> pixels;
   std::optional<CountedWork> counted;
   if (device != nullptr && needs_device(session)) {
-    scene.emplace(load_scene(*device, session, options.data_folder));
+    scene = load_scene(*device, session, options);
+    if (scene->skip) series.facts.push_back({"skip memory", scene->skip_memory});
     series.facts.push_back({"volume path", scene->volume.path_reason()});
     for (const std::string& note : scene->volume.info().notes)
       series.facts.push_back({"volume", note});
   }
   if (makes_pictures(session) || session.clock.cost == "measured") {
-    const std::string folder = labelled.label.empty() ? "images" : "images-" + labelled.label;
+    const std::string folder = labelled.label.empty() ? "images" : "images-" + file_part(labelled.label);
     pixels.emplace(PixelWork::Inputs{*device, session, headset, *scene, placement, options.data_folder,
                                      options.no_warp, vsyncs, run, folder});
   } else if (scene) {
     EyeRenderer renderer(*device, session, headset, *scene, placement, options.data_folder,
                          EyeRenderer::Counting::on);
-    counted.emplace(
-        probe_work(renderer, make_eye_pair(*device, headset.eye), head, vsyncs, headset,
-                   PanelDisplay(*device, headset, session.pipeline.at("warp"), options.data_folder).work()));
+    counted.emplace(probe_work(
+        renderer, make_eye_pair(*device, headset.eye), head, vsyncs, headset,
+        PanelDisplay(*device, headset, session.pipeline.at("warp"), options.data_folder).work(), options));
     series.facts.push_back({"counted work", probe_fact(vsyncs)});
   } else {
     counted.emplace(std::vector<WorkProbe>{{SimTime(), {}, {}}});
@@ -194,12 +200,12 @@ Series replay_series(const LabelledSession& labelled, const ReplayOptions& optio
   }
   FrameWork& work = pixels ? static_cast<FrameWork&>(*pixels) : *counted;
 
-  const StageInstance predict(session.pipeline.at("predict"));
-  const StageInstance control(session.pipeline.at("control"));
-  ProgressSink sink(series.records, vsyncs);
+  const NativeStage predict = live_stage(session.pipeline.at("predict"));
+  const NativeStage control = live_stage(session.pipeline.at("control"));
+  ProgressSink sink(series.records, vsyncs, options);
   const FrameLoopInputs inputs{head,
-                               {predict.functions<brace_predict_functions>(), predict.self()},
-                               {control.functions<brace_control_functions>(), control.self()},
+                               {&predict.predict_functions(), predict.self()},
+                               {&control.control_functions(), control.self()},
                                *cost,
                                work,
                                sink};
