@@ -67,6 +67,14 @@ struct PluginSearch {
   std::filesystem::path installed;             // PREFIX/lib/brace/plugins; may be missing
 };
 
+/// What a search found in one file.
+struct PluginFile {
+  std::filesystem::path file;
+  std::string library, version;     // of a shared library; empty for a manifest
+  std::vector<std::string> stages;  // "cast/mip": those that are now in the registry
+  std::string error;                // why others, or all, are not; "" if nothing is missing
+};
+
 /// Splits BRACE_PLUGIN_PATH at ':'; empty parts are left out.
 std::vector<std::filesystem::path> split_plugin_path(std::string_view value);
 
@@ -74,5 +82,11 @@ std::vector<std::filesystem::path> split_plugin_path(std::string_view value);
 /// FAMILY/NAME/stage.toml. A file reached twice is loaded once. Throws device_error that names both files for
 /// a stage whose name is taken, input_error for a place that is not there or a broken manifest.
 void add_plugins(StageRegistry& registry, const PluginSearch& search, const PluginLog& log = {});
+
+/// The same, but a file that cannot be loaded, or a stage whose name is taken, is left out: the registry
+/// remembers why and says so to whoever asks for it. Throws input_error for a place of `given` that is not
+/// there. Returns the files in the order of the search.
+std::vector<PluginFile> add_working_plugins(StageRegistry& registry, const PluginSearch& search,
+                                            const PluginLog& log = {});
 
 }  // namespace brace

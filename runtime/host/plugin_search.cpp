@@ -81,6 +81,43 @@ void add_file(StageRegistry& registry, const fs::path& file, const PluginLog& lo
   }
 }
 
+/// The stages of a file, and what it says of itself.
+std::vector<StageInfo> read_stages(PluginFile& plugin, const PluginLog& log) {
+  if (plugin.file.extension() != ".so") return {read_stage_manifest(plugin.file)};
+  const std::shared_ptr<const PluginLibrary> library = PluginLibrary::load(plugin.file, log);
+  plugin.library = library->name();
+  plugin.version = library->version();
+  std::vector<StageInfo> stages;
+  for (const brace_stage_descriptor& descriptor : library->stages()) {
+    stages.push_back(stage_info(descriptor, plugin.file));
+    stages.back().library = library;
+  }
+  return stages;
+}
+
+PluginFile add_what_works(StageRegistry& registry, const fs::path& file, const PluginLog& log) {
+  PluginFile plugin{file, "", "", {}, ""};
+  std::vector<StageInfo> stages;
+  try {
+    stages = read_stages(plugin, log);
+  } catch (const Error& error) {
+    plugin.error = error.what();
+    registry.add_missing("", plugin.error);
+    return plugin;
+  }
+  for (StageInfo& stage : stages) {
+    const std::string id = stage.id();
+    try {
+      add_stage(registry, std::move(stage));
+      plugin.stages.push_back(id);
+    } catch (const Error& error) {
+      plugin.error += (plugin.error.empty() ? "" : "; ") + std::string(error.what());
+      registry.add_missing(id, error.what());
+    }
+  }
+  return plugin;
+}
+
 }  // namespace
 
 std::vector<fs::path> split_plugin_path(std::string_view value) {
@@ -104,6 +141,32 @@ void add_plugins(StageRegistry& registry, const PluginSearch& search, const Plug
       if (seen.insert(fs::canonical(file, ignored)).second) add_file(registry, file, log);
     }
   }
+}
+
+std::vector<PluginFile> add_working_plugins(StageRegistry& registry, const PluginSearch& search,
+                                            const PluginLog& log) {
+  std::vector<PluginFile> found;
+  std::set<fs::path> seen;
+  const auto add_place = [&](const fs::path& place) {
+    for (const fs::path& file : files_of(place)) {
+      std::error_code ignored;
+      if (seen.insert(fs::canonical(file, ignored)).second)
+        found.push_back(add_what_works(registry, file, log));
+    }
+  };
+  for (const fs::path& place : search.given)
+    add_place(place);
+  std::vector<fs::path> standing = search.ambient;
+  if (is_folder(search.installed)) standing.push_back(search.installed);
+  for (const fs::path& place : standing) {
+    try {
+      add_place(place);
+    } catch (const Error& error) {  // a place that went away must not end every run
+      found.push_back({place, "", "", {}, error.what()});
+      registry.add_missing("", error.what());
+    }
+  }
+  return found;
 }
 
 }  // namespace brace

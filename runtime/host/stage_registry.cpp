@@ -62,12 +62,22 @@ std::vector<std::string> StageRegistry::names(std::string_view family) const {
 
 const StageInfo& StageRegistry::find(std::string_view family, std::string_view name,
                                      const std::string& place) const {
+  for (const auto& [id, why] : missing_) {
+    if (id == fmt::format("{}/{}", family, name)) throw device_error("{}: {}", place, why);
+  }
   for (const StageInfo& stage : stages_) {
     if (stage.family == family && stage.name == name) return stage;
   }
   const std::vector<std::string> known = names(family);
-  throw input_error("{}: unknown stage '{}/{}'{}; there are: {}", place, family, name,
-                    did_you_mean(name, known), known.empty() ? "none of this family" : join(known));
+  const std::string unknown =
+      fmt::format("{}: unknown stage '{}/{}'{}; there are: {}", place, family, name,
+                  did_you_mean(name, known), known.empty() ? "none of this family" : join(known));
+  std::string left_out;
+  for (const auto& [id, why] : missing_) {
+    if (id.empty()) left_out += fmt::format("\n  not loaded: {}", why);
+  }
+  if (!left_out.empty()) throw device_error("{}{}", unknown, left_out);
+  throw input_error("{}", unknown);
 }
 
 void check_parameter_value(const StageInfo& stage, const StageParameter& parameter, double value,

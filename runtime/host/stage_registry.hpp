@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "plugins/abi/brace_stage.h"
@@ -69,7 +70,11 @@ class StageRegistry {
   /// Adds every FAMILY/NAME/stage.toml below a folder, in sorted order.
   void add_folder(const std::filesystem::path& folder);
 
+  /// Remembers why a plug-in, or one of its stages, is not here. `id`: the stage's, "" if nobody knows.
+  void add_missing(std::string id, std::string why) { missing_.emplace_back(std::move(id), std::move(why)); }
+
   /// Throws input_error that lists the family's stages and the nearest name. `place` starts the message.
+  /// Where the stage may be one of those that could not be loaded, device_error says why they are missing.
   const StageInfo& find(std::string_view family, std::string_view name, const std::string& place) const;
 
   const std::vector<StageInfo>& stages() const { return stages_; }
@@ -77,6 +82,7 @@ class StageRegistry {
 
  private:
   std::vector<StageInfo> stages_;
+  std::vector<std::pair<std::string, std::string>> missing_;  // id and reason
 };
 
 /// Reads a manifest (stage.toml). Throws input_error naming file, key and line.

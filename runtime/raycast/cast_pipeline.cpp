@@ -21,6 +21,11 @@ gpu::KernelDescription describe_kernel(const CastParts& parts, const char* name,
   return kernel;
 }
 
+gpu::ComputePipeline make_if_there(const gpu::Device& device, const gpu::KernelDescription& kernel,
+                                   const gpu::CompileOptions& options) {
+  return kernel.main.text.empty() ? gpu::ComputePipeline() : gpu::make_pipeline(device, kernel, options);
+}
+
 std::uint64_t pixels(int width, int height) {
   return static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height);
 }
@@ -30,9 +35,11 @@ std::uint64_t pixels(int width, int height) {
 CastKernels compose_cast_kernels(const CastParts& parts, const VolumeOnDevice& volume) {
   const auto resolve = gpu::chain_resolvers({parts.stages, gpu::directory_resolver({parts.glsl_folder})});
   CastKernels kernels;
-  kernels.opening = describe_kernel(parts, "rays_main.comp", resolve);
-  kernels.cast = describe_kernel(parts, "cast_main.comp", resolve);
-  kernels.closing = describe_kernel(parts, "close_main.comp", resolve);
+  if (!parts.native_rays) {
+    kernels.opening = describe_kernel(parts, "rays_main.comp", resolve);
+    kernels.closing = describe_kernel(parts, "close_main.comp", resolve);
+  }
+  if (!parts.native_cast) kernels.cast = describe_kernel(parts, "cast_main.comp", resolve);
   kernels.cast.defines = volume.defines();
   if (parts.phong) kernels.cast.defines.emplace_back("BRACE_SHADING_PHONG", "1");
   if (parts.counters) kernels.cast.defines.emplace_back("BRACE_COUNTERS", "1");
@@ -66,9 +73,9 @@ RayBuffers::RayBuffers(const gpu::Device& device, int across_rays, int down_rays
 
 CastPipeline::CastPipeline(const gpu::Device& device, const CastKernels& kernels,
                            const gpu::CompileOptions& options)
-    : opening_(gpu::make_pipeline(device, kernels.opening, options)),
-      cast_(gpu::make_pipeline(device, kernels.cast, options)),
-      closing_(gpu::make_pipeline(device, kernels.closing, options)),
+    : opening_(make_if_there(device, kernels.opening, options)),
+      cast_(make_if_there(device, kernels.cast, options)),
+      closing_(make_if_there(device, kernels.closing, options)),
       counters_(device, "work counters", kCounterRows * kCounterWords * 4, gpu::Memory::readback) {
   reset_counters(device);
 }

@@ -32,8 +32,11 @@ struct CastParts {
   std::vector<gpu::SpecConstant> constants;  // values of the parameters
   bool phong = false;                        // otherwise no gradient is in the kernel
   bool counters = false;                     // count rays, samples, skip steps and shading fetches
+  /// Native stages stand in their place: no kernels are composed, and the pipeline must not record them.
+  bool native_rays = false, native_cast = false;
 };
 
+/// Kernels whose place native stages take have an empty text.
 struct CastKernels {
   gpu::KernelDescription opening, cast, closing;
 };
