@@ -34,6 +34,7 @@ void broken_destroy(void* self) {
 brace_result broken_activate(void* object, const brace_activation* activation) {
   broken* self = object;
   ++self->activations;
+  self->width_px = activation->eye_width_px;
   if (self->defect == BROKEN_ACTIVATE_FAILS ||
       (self->defect == BROKEN_SECOND_ACTIVATION_FAILS && self->activations > 1)) {
     self->error = "this stage does not activate";
@@ -60,6 +61,10 @@ static brace_result misbehave(broken* self) {
   if (self->defect == BROKEN_RECORD_FAILS) {
     self->error = "this stage fails in every frame";
     return BRACE_ERROR;
+  }
+  if (self->defect == BROKEN_FAILS_ODD_SIZES && self->width_px % 2 == 1 && self->width_px > 1) {
+    self->error = "this stage wants an even width";
+    return BRACE_UNSUPPORTED;
   }
   if (self->defect == BROKEN_FAILS_AT_EXTREMES && (self->gain == 0.0 || self->gain == 1.0)) {
     self->error = "this stage fails where a parameter is at its end";
@@ -105,10 +110,6 @@ static brace_result cast_execute(void* object, const brace_cast_frame* frame) {
   broken* self = object;
   const brace_result result = misbehave(self);
   if (result != BRACE_OK) return result;
-  if (self->defect == BROKEN_FAILS_ODD_SIZES && frame->rays_across % 2 == 1 && frame->rays_across > 1) {
-    self->error = "this stage wants an even number of rays";
-    return BRACE_UNSUPPORTED;
-  }
   brace_area area = frame->area;
   if (self->defect == BROKEN_WRITES_OUTSIDE_AREA) area.width = frame->rays_across, area.x = 0;
   const double change = noise(self);
@@ -162,9 +163,12 @@ static const brace_skip_functions skip_functions = {sizeof skip_functions, skip_
 static brace_result predict(void* object, const brace_tracker_sample* history, uint32_t count,
                             int64_t target_ns, brace_pose* pose) {
   broken* self = object;
-  (void)target_ns;
   const brace_result result = misbehave(self);
   if (result != BRACE_OK) return result;
+  if (self->defect == BROKEN_FAILS_ODD_INPUT && target_ns < history[0].time_ns) {
+    self->error = "this stage wants a target in the future";
+    return BRACE_ERROR;
+  }
   *pose = history[count - 1].world_from_head;
   pose->position_m[0] += noise(self);
   if (self->defect == BROKEN_NOT_A_NUMBER) pose->position_m[1] = NAN;

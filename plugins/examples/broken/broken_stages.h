@@ -25,6 +25,7 @@ enum broken_defect {
   BROKEN_CHANGES_INPUT,
   BROKEN_PAINTS_MISSES,
   BROKEN_FAILS_ODD_SIZES,
+  BROKEN_FAILS_ODD_INPUT,
   BROKEN_FAILS_AT_EXTREMES,
   BROKEN_OUT_OF_RANGE,
   BROKEN_IGNORES_OPAQUE,
@@ -41,6 +42,7 @@ typedef struct broken {
   int defect;
   double gain;
   int activations;
+  uint32_t width_px; /* of the activation */
   const char* error;
   broken_fill fill; /* vkCmdFillBuffer */
   broken_copy copy; /* vkCmdCopyBuffer */

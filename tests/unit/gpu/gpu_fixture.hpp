@@ -50,6 +50,8 @@ class GpuTest : public testing::Test {
   }
 
   static Device& device() { return *device_; }
+  /// For tests that cause messages on purpose.
+  void forget_messages() { messages_before_ = device_->validation_messages().size(); }
 
  private:
   static inline std::unique_ptr<Device> device_;
