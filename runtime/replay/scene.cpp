@@ -20,6 +20,10 @@ TransferFunction session_transfer_function(const Session::Scene& scene, ValueRan
 
 void build_skip_structure(const gpu::Device& device, const Session& session,
                           const std::filesystem::path& data_folder, SceneOnDevice& scene) {
+  // Structures belong to the stages that come with Brace; one of another origin works with what is bound
+  // anyway.
+  const std::string ours = (data_folder / "stages").string();
+  if (session.pipeline.at("skip").stage.origin.string().rfind(ours, 0) != 0) return;
   const SkipOptions options = skip_options(session.pipeline.at("skip"), gpu::default_cache_folder() / "skip");
   if (options.kind == SkipKind::none) return;
   scene.skip_memory = skip_memory(scene.volume.info(), options).formula;
