@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace brace::bench {
+namespace brace {
 
 namespace {
 
@@ -37,7 +37,7 @@ class SceneVolume final : public VolumeSource {
     const double coarse =
         a.sin_coarse * b.cos_coarse + b.sin_coarse * c.cos_coarse + c.sin_coarse * a.cos_coarse;
     const double fine = a.sin_fine * b.cos_fine + b.sin_fine * c.cos_fine + c.sin_fine * a.cos_fine;
-    const double value = 1.55 * (0.655 - radius) + 0.3 * coarse + 0.1 * fine;
+    const double value = 1.55 * (0.645 - radius) + 0.3 * coarse + 0.1 * fine;
     return static_cast<std::byte>(std::lround(255.0 * std::clamp(value, 0.0, 1.0)));
   }
 
@@ -86,4 +86,4 @@ RaycastScene make_raycast_scene(int width_px, int height_px) {
   return scene;
 }
 
-}  // namespace brace::bench
+}  // namespace brace

@@ -8,7 +8,7 @@
 #include "runtime/volume/transfer_function.hpp"
 #include "runtime/volume/volume.hpp"
 
-namespace brace::bench {
+namespace brace {
 
 /// The ray casting scene of the benchmarks: 256^3 uint8, 83 % of the voxels zero, a lumpy ball with a hollow
 /// texture; 30 degrees of field of view, half a voxel per step, early termination at 0.99.
@@ -29,4 +29,4 @@ std::unique_ptr<VolumeSource> open_scene_volume(int edge = 256);
 
 RaycastScene make_raycast_scene(int width_px = 512, int height_px = 512);
 
-}  // namespace brace::bench
+}  // namespace brace
