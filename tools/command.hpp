@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "runtime/host/plugin_library.hpp"
 #include "runtime/session/session.hpp"
 
 namespace brace {
@@ -19,12 +20,14 @@ struct RunCommand {
   std::optional<std::int64_t> frames;
   std::optional<std::uint64_t> seed;
   std::string gpu;
+  std::vector<std::string> plugin_path;
   bool json = false;
 };
 int run_command(const RunCommand& command);
 
 struct ListCommand {
-  std::string what;  // devices, stages, plugins, generators, costs, transfer-functions, keys
+  std::string what;  // devices, stages, plugins, generators, costs, transfer-functions, traces, keys
+  std::vector<std::string> plugin_path;
   bool json = false;
 };
 int list_command(const ListCommand& command);
@@ -64,10 +67,36 @@ struct BenchCommand {
 };
 int bench_command(const BenchCommand& command);
 
+struct NewStageCommand {
+  std::string kind, name;
+  bool glsl = false, native = false;  // neither: the form that the kind has
+  std::string out;                    // "" for ./NAME
+};
+int new_stage_command(const NewStageCommand& command);
+
+struct CheckStageCommand {
+  std::string file;  // a stage.toml, a shared library, a folder with them, or FAMILY/NAME
+  std::string gpu;
+  std::vector<std::string> plugin_path;
+  bool json = false;
+};
+int check_stage_command(const CheckStageCommand& command);
+
 /// share/brace: $BRACE_DATA_DIR, else beside the program's bin/. Throws device_error when it is not there.
 std::filesystem::path data_folder();
 
-/// Every stage that sessions can name: the GLSL stages of the data folder and the compiled-in ones.
-StageRegistry make_stage_registry();
+struct Stages {
+  StageRegistry registry;
+  std::vector<PluginFile> plugins;  // what the search path holds, broken files among them
+};
+
+/// Every stage that sessions can name: first the GLSL stages of the data folder and the compiled-in ones,
+/// then plug-ins from `plugin_path`, BRACE_PLUGIN_PATH and the install prefix. A broken plug-in is left out;
+/// only a session that names a stage which may be in it fails. Throws input_error for a place of
+/// `plugin_path` that is not there.
+Stages make_stages(const std::vector<std::string>& plugin_path);
+
+/// One line on standard error per plug-in that was left out.
+void warn_of_broken(const std::vector<PluginFile>& plugins);
 
 }  // namespace brace

@@ -28,7 +28,7 @@ Check check_data_folder() {
 
 Check check_stages() {
   try {
-    return {"stages", true, fmt::format("{} found", make_stage_registry().stages().size())};
+    return {"stages", true, fmt::format("{} found", make_stages({}).registry.stages().size())};
   } catch (const Error& e) {
     return {"stages", false, e.what()};
   }

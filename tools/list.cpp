@@ -48,9 +48,10 @@ Json parameter_json(const StageParameter& parameter) {
   return json;
 }
 
-Json list_stages() {
+Json list_stages(const std::vector<std::string>& plugin_path) {
   Json out = Json::array();
-  const StageRegistry registry = make_stage_registry();
+  const auto [registry, plugins] = make_stages(plugin_path);
+  warn_of_broken(plugins);
   for (const std::string& family : stage_families()) {
     for (const StageInfo& stage : registry.stages()) {
       if (stage.family != family) continue;
@@ -64,6 +65,20 @@ Json list_stages() {
            {"help", stage.help},
            {"parameters", parameters}});
     }
+  }
+  return out;
+}
+
+/// What the search path holds; a file that cannot be loaded is a row with its error.
+Json list_plugins(const std::vector<std::string>& plugin_path) {
+  Json out = Json::array();
+  for (const PluginFile& plugin : make_stages(plugin_path).plugins) {
+    Json row = {{"name", plugin.file.string()},
+                {"form", plugin.file.extension() == ".so" ? "native" : "glsl"},
+                {"version", plugin.version},
+                {"stages", join(plugin.stages)}};
+    if (!plugin.error.empty()) row["error"] = plugin.error;
+    out.push_back(std::move(row));
   }
   return out;
 }
@@ -146,9 +161,10 @@ void print_table(const Json& rows) {
 }  // namespace
 
 int list_command(const ListCommand& command) {
-  static const std::vector<std::pair<std::string, std::function<Json()>>> lists = {
+  const std::vector<std::pair<std::string, std::function<Json()>>> lists = {
       {"devices", list_devices},
-      {"stages", list_stages},
+      {"stages", [&] { return list_stages(command.plugin_path); }},
+      {"plugins", [&] { return list_plugins(command.plugin_path); }},
       {"generators", list_generators},
       {"costs", list_costs},
       {"transfer-functions", [] { return list_files(data_folder() / "transfer_functions"); }},

@@ -4,7 +4,9 @@
 #include <fmt/core.h>
 
 #include "base/error.hpp"
+#include "runtime/replay/replay.hpp"
 #include "tools/command.hpp"
+#include "tools/interrupt.hpp"
 
 namespace {
 
@@ -18,6 +20,12 @@ void add_gpu_option(CLI::App& app, std::string& gpu) {
                  "Vulkan device: a part of its name, its index or its UUID (see `brace doctor`)");
 }
 
+void add_plugin_path_option(CLI::App& app, std::vector<std::string>& plugin_path) {
+  app.add_option("--plugin-path", plugin_path,
+                 "Where to look for stages of others: a folder, a shared library or a stage.toml; repeatable")
+      ->allow_extra_args(false);
+}
+
 void add_run(CLI::App& app, RunCommand& command, Action& action) {
   CLI::App* run =
       app.add_subcommand("run", "Replay a session on the simulated headset and write a run directory");
@@ -28,6 +36,7 @@ void add_run(CLI::App& app, RunCommand& command, Action& action) {
   run->add_option("--frames", command.frames, "Number of display vsyncs (default: to the end of the trace)");
   run->add_option("--seed", command.seed, "Seed of the tracker's noise");
   add_gpu_option(*run, command.gpu);
+  add_plugin_path_option(*run, command.plugin_path);
   run->add_flag("--json", command.json, "Print the summary as JSON");
   run->footer(
       "Example:\n  brace run examples/demo.toml --set pipeline.warp=none --frames 180 --out runs/no-warp");
@@ -37,8 +46,9 @@ void add_run(CLI::App& app, RunCommand& command, Action& action) {
 void add_list(CLI::App& app, ListCommand& command, Action& action) {
   CLI::App* list = app.add_subcommand("list", "What sessions can name");
   list->add_option("what", command.what,
-                   "devices, stages, plugins, generators, costs, transfer-functions or keys")
+                   "devices, stages, plugins, generators, costs, transfer-functions, traces or keys")
       ->required();
+  add_plugin_path_option(*list, command.plugin_path);
   list->add_flag("--json", command.json, "Print JSON");
   list->footer("Example:\n  brace list stages");
   list->callback([&] { action = [&] { return list_command(command); }; });
@@ -61,6 +71,7 @@ struct TraceCommands {
 void add_trace(CLI::App& app, TraceCommands& commands, Action& action) {
   CLI::App* trace = app.add_subcommand("trace", "Look at, convert and generate head pose traces");
   trace->require_subcommand(1);
+  trace->footer("Example:\n  brace trace info my_recording.csv");
 
   CLI::App* info = trace->add_subcommand("info", "Length, rate, speeds and repairs of a trace");
   info->add_option("file", commands.info.file, "Trace (TUM, EuRoC, A-Frame JSON or Brace's own form)")
@@ -103,12 +114,40 @@ void add_bench(CLI::App& app, BenchCommand& command, Action& action) {
   bench->callback([&] { action = [&] { return bench_command(command); }; });
 }
 
+void add_new_stage(CLI::App& app, NewStageCommand& command, Action& action) {
+  CLI::App* stage = app.add_subcommand("new-stage", "Write a small project for a stage of your own");
+  stage
+      ->add_option("kind", command.kind, "cast, rays, skip or warp (GLSL); cast, predict or control (native)")
+      ->required();
+  stage->add_option("name", command.name, "Name of the stage, snake_case")->required();
+  stage->add_flag("--glsl", command.glsl, "A GLSL snippet with a manifest");
+  stage->add_flag("--native", command.native, "A shared library in C");
+  stage->add_option("--out", command.out, "Folder to write (default: ./NAME)");
+  stage->footer("Example:\n  brace new-stage cast my_cast --glsl");
+  stage->callback([&] { action = [&] { return new_stage_command(command); }; });
+}
+
+void add_check_stage(CLI::App& app, CheckStageCommand& command, Action& action) {
+  CLI::App* check = app.add_subcommand("check-stage", "Run the conformance suite on a stage");
+  check
+      ->add_option("file", command.file, "A stage.toml, a shared library, a folder with them, or FAMILY/NAME")
+      ->required();
+  add_gpu_option(*check, command.gpu);
+  add_plugin_path_option(*check, command.plugin_path);
+  check->add_flag("--json", command.json, "Print JSON");
+  check->footer("Example:\n  brace check-stage my_cast/stage.toml");
+  check->callback([&] { action = [&] { return check_stage_command(command); }; });
+}
+
 int run_action(const Action& action) {
   try {
     return action();
   } catch (const Error& e) {
     fmt::print(stderr, "brace: {}\n", e.what());
     return static_cast<int>(e.exit_code());
+  } catch (const Interrupted&) {
+    fmt::print(stderr, "brace: interrupted; no run directory was written\n");
+    end_by_noted_signal();
   } catch (const std::bad_alloc&) {
     fmt::print(stderr, "brace: out of memory: take a smaller volume or device.resolution_scale\n");
     return static_cast<int>(ExitCode::device_or_plugin_failed);
@@ -124,19 +163,25 @@ int main(int argc, char** argv) {
   CLI::App app("Brace: a simulated head-mounted display for volume renderers", "brace");
   app.set_version_flag("--version", BRACE_VERSION);
   app.require_subcommand(1);
-  app.footer("Exit codes: 0 done, 1 a check failed, 2 bad input or usage, 3 device or plug-in failed.");
+  app.footer(
+      "Example:\n  brace run examples/demo.toml --out runs/demo\n\n"
+      "Exit codes: 0 done, 1 a check failed, 2 bad input or usage, 3 device or plug-in failed.");
 
   RunCommand run;
   ListCommand list;
   DoctorCommand doctor;
   TraceCommands trace;
   BenchCommand bench;
+  NewStageCommand new_stage;
+  CheckStageCommand check_stage;
   Action action;
   add_run(app, run, action);
   add_trace(app, trace, action);
   add_list(app, list, action);
   add_doctor(app, doctor, action);
   add_bench(app, bench, action);
+  add_new_stage(app, new_stage, action);
+  add_check_stage(app, check_stage, action);
 
   try {
     app.parse(argc, argv);

@@ -4,6 +4,7 @@
 #include "base/error.hpp"
 #include "runtime/replay/replay.hpp"
 #include "tools/command.hpp"
+#include "tools/interrupt.hpp"
 
 namespace brace {
 
@@ -63,14 +64,17 @@ void print_headlines(const nlohmann::ordered_json& summary, const std::filesyste
 }  // namespace
 
 int run_command(const RunCommand& command) {
-  const StageRegistry stages = make_stage_registry();
+  note_interrupts();
+  const auto [stages, plugins] = make_stages(command.plugin_path);
+  warn_of_broken(plugins);
   const std::vector<LabelledSession> sessions = sessions_of(command, stages);
   const std::filesystem::path out = command.out.empty()
                                         ? std::filesystem::path("runs") / sessions.front().session.name
                                         : std::filesystem::path(command.out);
-  const std::string summary =
-      replay(sessions,
-             {data_folder(), command.gpu, BRACE_VERSION, {stages.find("warp", "none", "built in"), {}}}, out);
+  const std::string summary = replay(
+      sessions,
+      {data_folder(), command.gpu, BRACE_VERSION, {stages.find("warp", "none", "built in"), {}}, interrupted},
+      out);
   if (command.json) {
     fmt::print("{}\n", summary);
   } else {

@@ -1,5 +1,6 @@
 brace_test(host_test LABEL unit LIBRARIES brace::host SOURCES
   host/plugin_library_test.cpp
+  host/left_out_test.cpp
   host/native_stage_test.cpp
   host/stage_manifest_test.cpp
   host/stage_registry_test.cpp
