@@ -1,11 +1,12 @@
-#include <fmt/core.h>
-
 #include <algorithm>
 #include <functional>
+
+#include <fmt/core.h>
 
 #include "base/error.hpp"
 #include "base/suggest.hpp"
 #include "bench/distort.hpp"
+#include "bench/host.hpp"
 #include "bench/raycast.hpp"
 #include "bench/replay.hpp"
 #include "tools/command.hpp"
@@ -14,7 +15,9 @@ namespace brace {
 
 namespace {
 
-gpu::DeviceOptions device_options(const BenchCommand& command) { return {.select = command.gpu}; }
+gpu::DeviceOptions device_options(const BenchCommand& command) {
+  return {.select = command.gpu};
+}
 
 std::string run_raycast(const BenchCommand& command) {
   RaycastBenchOptions options;
@@ -34,6 +37,16 @@ std::string run_distort(const BenchCommand& command) {
   return command.json ? to_json(result) : to_text(result);
 }
 
+std::string run_host(const BenchCommand& command) {
+  const gpu::Device device(device_options(command));
+  HostBenchOptions options;
+  options.device = &device;
+  options.data_folder = data_folder();
+  if (command.quick) options.frames = 20'000;
+  const HostBenchResult result = bench_host(options);
+  return command.json ? to_json(result) : to_text(result);
+}
+
 std::string run_replay(const BenchCommand& command) {
   ReplayBenchOptions options;
   options.simulated_hours = command.quick ? 0.5 : 24;
@@ -49,7 +62,7 @@ struct Benchmark {
 
 const std::vector<Benchmark>& benchmarks() {
   static const std::vector<Benchmark> all = {
-      {"raycast", run_raycast}, {"replay", run_replay}, {"distort", run_distort}};
+      {"raycast", run_raycast}, {"replay", run_replay}, {"distort", run_distort}, {"host", run_host}};
   return all;
 }
 

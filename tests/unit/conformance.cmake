@@ -1,5 +1,7 @@
-brace_test(conformance_test LABEL gpu LIBRARIES brace::conformance SOURCES
+brace_test(conformance_test LABEL gpu LIBRARIES brace::conformance brace::bench_host SOURCES
   conformance/conformance_test.cpp
+  conformance/host_bench_test.cpp
+  conformance/kernel_parts_test.cpp
   conformance/native_steps_test.cpp
   conformance/watchdog_test.cpp)
 target_include_directories(conformance_test PRIVATE ${CMAKE_CURRENT_SOURCE_DIR})
