@@ -1,5 +1,9 @@
 #pragma once
 
+#include <memory>
+#include <span>
+#include <string>
+
 #include "runtime/raycast/transfer_on_device.hpp"
 #include "runtime/raycast/volume_on_device.hpp"
 #include "runtime/replay/replay.hpp"

@@ -1,5 +1,6 @@
 #include "runtime/report/run_directory.hpp"
 
+#include <cctype>
 #include <cerrno>
 #include <cstdlib>
 #include <fstream>
@@ -28,11 +29,12 @@ bool is_marked_as_run(const fs::path& folder) {
   return summary.is_object() && summary.value("format", std::string()) == summary_format;
 }
 
-// Names Brace writes at the top of a run directory: "frames.csv", and "frames-LABEL.csv" of further series.
+// Names Brace writes at the top of a run directory: "frames.csv", and "frames-LABEL.csv" and "images-LABEL"
+// of a run with several series.
 bool is_brace_file(const std::string& name) {
   static const std::set<std::string> fixed = {"summary.json", "timeline.json", "report.html", "session.toml",
                                               "images"};
-  if (fixed.contains(name)) return true;
+  if (fixed.contains(name) || name.starts_with("images-")) return true;
   const auto is_csv = [&](const char* stem) { return name.starts_with(stem) && name.ends_with(".csv"); };
   return is_csv("frames") || is_csv("costs");
 }
@@ -78,7 +80,7 @@ std::vector<fs::path> make_parents(const fs::path& parent) {
 
 fs::path make_staging(const fs::path& destination) {
   std::string name =
-      (destination.parent_path() / ("." + destination.filename().string() + ".XXXXXX")).string();
+      (destination.parent_path() / fmt::format(".{}.XXXXXX", destination.filename().string())).string();
   if (::mkdtemp(name.data()) == nullptr) {
     throw_file_error(destination.parent_path(), "cannot make a folder in it", errno);
   }
@@ -114,6 +116,14 @@ void move_into_place(const fs::path& staging, const fs::path& destination) {
 }
 
 }  // namespace
+
+std::string file_part(std::string label) {
+  for (char& c : label) {
+    const bool plain = std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '.' || c == '-';
+    if (!plain) c = '_';
+  }
+  return label;
+}
 
 RunDirectory::RunDirectory(fs::path destination) {
   if (destination.empty()) throw input_error("the run directory's name is empty; give one with --out");

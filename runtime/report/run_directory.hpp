@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <string>
 #include <string_view>
 #include <vector>
 
@@ -38,6 +39,9 @@ class RunDirectory {
   std::vector<std::filesystem::path> made_parents_;  // outermost first
   bool committed_ = false;
 };
+
+/// A series' label as a part of a file name: "warp/quad" gives "warp_quad".
+std::string file_part(std::string label);
 
 /// Writes summary.json, frames.csv, timeline.json, report.html and session.toml into `run`; with several
 /// series the first one's records go to frames.csv and the others' to frames-LABEL.csv. Pictures must be

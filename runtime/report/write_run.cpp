@@ -1,4 +1,3 @@
-#include <cctype>
 #include <set>
 #include <string>
 
@@ -14,15 +13,6 @@
 namespace brace {
 
 namespace {
-
-// The label as a part of a file name: "warp/quad" gives "warp_quad".
-std::string file_part(std::string label) {
-  for (char& c : label) {
-    const bool plain = std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '.' || c == '-';
-    if (!plain) c = '_';
-  }
-  return label;
-}
 
 // "frames.csv" for the first series, "frames-LABEL.csv" for a further one.
 std::string csv_name(const char* stem, const ReportInput& input, std::size_t series) {

@@ -59,7 +59,9 @@ Session::Trace::Neck read_neck(const SessionTable& table) {
   neck.degrees = neck_number(table, "degrees", 60.0, -36000.0, 36000.0);
   neck.metres = neck_number(table, "metres", 0.3, -100.0, 100.0);
   neck.seconds = neck_number(table, "seconds", 1.0, 0.001, 1e6);
-  neck.seed = static_cast<std::uint64_t>(neck_number(table, "seed", 1.0, 0.0, 9e15));
+  const double seed = neck_number(table, "seed", 1.0, 0.0, 9e15);
+  if (seed != std::floor(seed)) table.fail("trace.neck.seed", "wants a whole number");
+  neck.seed = static_cast<std::uint64_t>(seed);
   return neck;
 }
 
@@ -274,7 +276,10 @@ std::map<std::string, PipelineStage> read_pipeline(const SessionTable& table, co
     for (const StageInfo& info : stages.stages())
       known.push_back(info.name), known.push_back(info.id());
     // Settings of a stage that this pipeline leaves out are fine: sessions switch stages with --set.
-    if (std::find(known.begin(), known.end(), stage) != known.end()) continue;
+    if (std::find(known.begin(), known.end(), stage) != known.end()) {
+      if (node.is_table()) continue;
+      throw input_error("{}: [stage.\"{}\"] is a table", place_of(node, table.file()), stage);
+    }
     throw input_error("{}: [stage.\"{}\"] names no stage{}; used here: {}", place_of(node, table.file()),
                       stage, did_you_mean(stage, known), join(used));
   }
@@ -295,6 +300,13 @@ std::optional<Session::Compare> read_compare(const SessionTable& table) {
     compare.values.push_back(plain ? *plain : text.str());
   }
   if (compare.values.size() < 2) table.fail("compare.values", "wants at least two values");
+  for (auto value = compare.values.begin(); value != compare.values.end(); ++value) {
+    if (value->empty()) table.fail("compare.values", "holds an empty value");
+    if (std::find(compare.values.begin(), value, *value) != value) {
+      table.fail("compare.values", fmt::format("names '{}' twice", *value));
+    }
+  }
+  if (key->rfind("compare.", 0) == 0) table.fail("compare.key", "cannot be a key of [compare] itself");
   return compare;
 }
 
@@ -306,6 +318,35 @@ void write_absolute_paths(SessionTable& table, const Session& session) {
   put("scene", "volume", session.scene.volume);
   put("scene", "transfer_function", session.scene.transfer_function);
   put("clock", "cost", session.clock.cost);
+}
+
+/// Every parameter of the pipeline's stages under [stage."family/name"], as used.
+void write_stage_values(SessionTable& table, const Session& session) {
+  toml::table& settings = *table.table().insert("stage", toml::table()).first->second.as_table();
+  for (const auto& [family, chosen] : session.pipeline)
+    settings.erase(chosen.stage.name);
+  for (const auto& [family, chosen] : session.pipeline) {
+    toml::table values;
+    for (std::size_t i = 0; i < chosen.values.size(); ++i) {
+      const StageParameter& parameter = chosen.stage.parameters[i];
+      const double value = chosen.values[i];
+      switch (parameter.type) {
+        case ParameterType::boolean:
+          values.insert(parameter.name, value != 0.0);
+          break;
+        case ParameterType::integer:
+          values.insert(parameter.name, static_cast<std::int64_t>(value));
+          break;
+        case ParameterType::floating:
+          values.insert(parameter.name, value);
+          break;
+        case ParameterType::choice:
+          values.insert(parameter.name, parameter.choices[static_cast<std::size_t>(value)]);
+          break;
+      }
+    }
+    if (!values.empty()) settings.insert_or_assign(chosen.stage.id(), std::move(values));
+  }
 }
 
 }  // namespace
@@ -331,10 +372,12 @@ Session parse_session(const std::string& text, const std::string& file_name,
   if (table.node("run.frames") != nullptr) {
     session.run.frames = static_cast<std::int64_t>(table.number_in("run.frames", 1, 1e12));
   }
-  session.run.seed = static_cast<std::uint64_t>(table.number_in("run.seed", 0, 9.3e18));
+  table.number_in("run.seed", 0, 9.3e18);
+  session.run.seed = static_cast<std::uint64_t>(table.integer("run.seed"));  // exact beyond 2^53
   session.compare = read_compare(table);
 
   write_absolute_paths(table, session);
+  write_stage_values(table, session);
   std::ostringstream resolved;
   resolved << table.table() << "\n";
   session.resolved_toml = resolved.str();

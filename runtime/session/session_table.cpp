@@ -52,6 +52,11 @@ std::vector<std::string> keys_of(const std::string& section) {
   return names;
 }
 
+std::string with_article(const std::string& type) {
+  if (type == "tables") return "a list of tables";
+  return (type == "integer" ? "an " : "a ") + type;
+}
+
 bool has_type(const toml::node& node, const std::string& type) {
   if (type == "text") return node.is_string();
   if (type == "number") return node.is_number();
@@ -107,8 +112,8 @@ void SessionTable::check_and_complete() {
   for (const SessionKey& info : session_keys()) {
     const toml::node* found = node(info.name);
     if (found != nullptr && !has_type(*found, info.type)) {
-      fail(info.name,
-           fmt::format("wants a {}{}{}", info.type, info.accepted[0] == '\0' ? "" : ": ", info.accepted));
+      fail(info.name, fmt::format("wants {}{}{}", with_article(info.type),
+                                  info.accepted[0] == '\0' ? "" : ": ", info.accepted));
     }
     if (found != nullptr || info.fallback[0] == '\0') continue;
     const auto parts = split(info.name, '.');
