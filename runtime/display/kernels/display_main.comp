@@ -22,8 +22,8 @@ layout(set = 0, binding = BRACE_SLOT_PANEL_TILES) uniform usamplerBuffer brace_p
 layout(std430, set = 0, binding = BRACE_SLOT_PANEL_IMAGE) writeonly buffer BracePanelImage { uvec4 brace_panel_image[]; };
 #ifdef BRACE_COUNTERS
 layout(std430, set = 0, binding = BRACE_SLOT_DISPLAY_COUNTERS) buffer BraceDisplayCounters { uint brace_uncovered; };
-#endif
 uint uncovered = 0u;
+#endif
 
 float lens_scale(uint channel, float r2) {
   const vec4 k = brace_display.lens[channel];
@@ -120,10 +120,14 @@ void main() {
   const uvec2 pixel = corner + gl_LocalInvocationID.xy * uvec2(4u, 1u);
   uvec4 four;
   [[unroll]] for (uint i = 0u; i < 4u; ++i) {
+#ifdef BRACE_COUNTERS
     const uint before = uncovered;
+#endif
     four[i] = panel_pixel(vec2(pixel + uvec2(i, 0u)));
+#ifdef BRACE_COUNTERS
     // Not those of the padding.
     if (pixel.x + i >= brace_display.grid.z || pixel.y >= brace_display.grid.w) uncovered = before;
+#endif
   }
   brace_panel_image[pixel.y * brace_display.grid.y + (pixel.x >> 2)] = four;
 #ifdef BRACE_COUNTERS
