@@ -81,7 +81,7 @@ mkdir broken
 printf 'not a library' >broken/broken.so
 expect_exit 0 env BRACE_PLUGIN_PATH=broken:my_cast "$brace" list plugins
 has stdout broken.so
-has stdout error
+has stdout "found a file that is none"
 has stdout cast/my_cast
 expect_exit 0 env BRACE_PLUGIN_PATH=broken "$brace" run native/session.toml --set pipeline.cast=dvr \
   --set output.error=none --frames 2 --out runs/others

@@ -35,6 +35,11 @@ static brace_result activate(void* object, const brace_activation* activation) {
   return BRACE_OK;
 }
 
+/* activate and deactivate come together; this one has nothing to give back. */
+static void deactivate(void* object) {
+  (void)object;
+}
+
 /* Once per finished eye frame; the quality is the fraction of all rays that the next frame gets. */
 static brace_result update(void* object, const brace_control_input* input, double* quality) {
   stage* self = object;
