@@ -67,7 +67,7 @@ static const brace_stage_descriptor descriptor = {sizeof descriptor,
                                                   destroy,
                                                   &functions,
                                                   activate,
-                                                  NULL,
+                                                  deactivate,
                                                   NULL};
 
 static const brace_stage_descriptor* const stages[] = {&descriptor};
