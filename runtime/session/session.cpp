@@ -40,7 +40,7 @@ double neck_number(const SessionTable& table, const char* key, double fallback, 
   const toml::node* node = table.node(std::string("trace.neck.") + key);
   if (node == nullptr) return fallback;
   const auto value = node->value<double>();
-  if (value && *value >= minimum && *value <= maximum) return *value;
+  if (node->is_number() && value && *value >= minimum && *value <= maximum) return *value;
   throw input_error("{}: 'trace.neck.{}' wants a number from {} to {}", place_of(*node, table.file()), key,
                     minimum, maximum);
 }
@@ -73,6 +73,7 @@ Session::Trace read_trace(const SessionTable& table, const std::filesystem::path
   if (!file && !generated) {
     throw input_error("{}: no head motion: accepted: 'trace.file' or 'trace.neck'", table.file());
   }
+  if (file && file->empty()) table.fail("trace.file", "is empty");
   // A bare name is a shipped trace; the replay looks it up.
   if (file) trace.file = is_bare_name(*file) ? std::filesystem::path(*file) : absolute_from(folder, *file);
   if (generated) trace.neck = read_neck(table);

@@ -80,6 +80,10 @@ void SessionTable::set(const std::string& key, const std::string& value) {
   toml::table parsed;
   try {
     parsed = toml::parse("value = " + value);
+    if (parsed.size() != 1) {  // more than a value: words, then
+      parsed.clear();
+      parsed.insert_or_assign("value", value);
+    }
   } catch (const toml::parse_error&) {
     parsed.insert_or_assign("value", value);  // --set device.profile=htc-vive needs no quotes
   }
