@@ -30,8 +30,8 @@ struct Form {
 /// What `brace run` takes in each form.
 const std::vector<Form>& forms() {
   static const std::vector<Form> all = {
-      {"glsl", "--glsl", {"cast", "rays", "skip", "warp"}, "its other kinds are not code on the GPU"},
-      {"native", "--native", {"cast", "predict", "control"}, "a run takes other kinds as GLSL or built in"}};
+      {"glsl", "--glsl", {"cast", "rays", "skip", "warp"}, "that kind is not code on the GPU"},
+      {"native", "--native", {"cast", "predict", "control"}, "a run takes that kind as GLSL or built in"}};
   return all;
 }
 
