@@ -190,6 +190,9 @@ std::string to_text(const HostBenchResult& result) {
   const HostBenchCase& whole = result.cases.back();
   text += fmt::format("\ntarget: {:.0f} ns per frame and no allocation; ratio {:.1f}\n",
                       host_overhead_target_ns, host_overhead_target_ns / whole.ns_per_frame);
+  text += fmt::format(
+      "start to first frame on {}: cold {:.3f} s (target {:.1f}), warm {:.3f} s (target {:.1f})\n",
+      result.device, result.start.cold_s, cold_start_target_s, result.start.warm_s, warm_start_target_s);
   return text;
 }
 
