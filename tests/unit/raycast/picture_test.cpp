@@ -53,6 +53,8 @@ TEST_F(Picture, OfEveryVoxelTypeAndSpacingMatchesTheReference) {
     const TransferTable table = smooth_table(volume, range);
     for (const VolumePath path : {VolumePath::packed, VolumePath::sampler}) {
       expect_like_reference(volume, table, eye, tilted(), {}, path);
+      // Lit kernels take long to compile on a software device: the two ends will do.
+      if (volume.info.type == VoxelType::int16 || volume.info.type == VoxelType::uint16) continue;
       CastSettings phong;
       phong.phong = true;
       expect_like_reference(volume, table, eye, tilted(), phong, path);
