@@ -3,6 +3,14 @@
 #include <cerrno>
 #include <cstddef>
 
+#if defined(__SANITIZE_ADDRESS__)
+#define BRACE_HOOKS_OF_SANITIZER
+#elif defined(__has_feature)
+#if __has_feature(address_sanitizer)
+#define BRACE_HOOKS_OF_SANITIZER
+#endif
+#endif
+
 namespace brace {
 
 namespace {
@@ -19,9 +27,10 @@ void count_free(const void* block) {
 
 }  // namespace
 
-#if defined(__SANITIZE_ADDRESS__)
+#if defined(BRACE_HOOKS_OF_SANITIZER)
 
-extern "C" int __sanitizer_install_malloc_and_free_hooks(void (*malloc_hook)(const volatile void*, std::size_t),
+extern "C" int __sanitizer_install_malloc_and_free_hooks(void (*malloc_hook)(const volatile void*,
+                                                                             std::size_t),
                                                          void (*free_hook)(const volatile void*));
 
 AllocationCount allocations_of_this_thread() {
@@ -42,7 +51,7 @@ AllocationCount allocations_of_this_thread() {
 
 }  // namespace brace
 
-#if !defined(__SANITIZE_ADDRESS__)
+#if !defined(BRACE_HOOKS_OF_SANITIZER)
 
 // The C library's own functions under the names it keeps for this purpose. A program's definitions go before
 // those of every shared library.

@@ -84,7 +84,13 @@ void PluginLibrary::call_entry() {
   host_.log = log_from_plugin;
   brace_library library{};
   library.struct_size = sizeof library;
-  const brace_result result = entry(&host_, &library);
+  brace_result result = BRACE_ERROR;
+  try {
+    result = entry(&host_, &library);
+  } catch (...) {
+    throw device_error("{}: {} failed; expected BRACE_OK; found an exception thrown across the C interface",
+                       file_.string(), BRACE_LIBRARY_ENTRY_NAME);
+  }
 
   const bool overlaps = brace_negotiate_abi(host_.abi_version_min, host_.abi_version_max,
                                             library.abi_version_min, library.abi_version_max) != 0;

@@ -14,7 +14,21 @@ const brace_param broken_params[BROKEN_PARAM_COUNT] = {
      NULL},
 };
 
-static void* kept; /* what BROKEN_LEAKS leaves behind, so that no optimiser removes it */
+/* What BROKEN_LEAKS takes and does not give back while the library is loaded. */
+typedef struct leaked {
+  struct leaked* next;
+  char bytes[1000];
+} leaked;
+static leaked* kept;
+
+__attribute__((destructor)) static void give_back_at_unload(void) {
+  while (kept != NULL) {
+    leaked* next = kept->next;
+    free(kept);
+    kept = next;
+  }
+}
+
 static uint32_t calls;
 
 void* broken_create(const double* values, uint32_t count) {
@@ -41,8 +55,10 @@ brace_result broken_activate(void* object, const brace_activation* activation) {
     return BRACE_UNSUPPORTED;
   }
   if (self->defect == BROKEN_LEAKS) {
-    kept = malloc(1000);
-    if (kept == NULL) return BRACE_ERROR;
+    leaked* block = malloc(sizeof *block);
+    if (block == NULL) return BRACE_ERROR;
+    block->next = kept;
+    kept = block;
   }
   return broken_find_vulkan(self, activation->vulkan);
 }
