@@ -5,10 +5,12 @@
 
 #include "base/error.hpp"
 #include "base/suggest.hpp"
+#include "bench/costs.hpp"
 #include "bench/distort.hpp"
 #include "bench/host.hpp"
 #include "bench/raycast.hpp"
 #include "bench/replay.hpp"
+#include "bench/skip.hpp"
 #include "tools/command.hpp"
 
 namespace brace {
@@ -55,14 +57,36 @@ std::string run_replay(const BenchCommand& command) {
   return command.json ? to_json(result) : to_text(result);
 }
 
+std::string run_skip(const BenchCommand& command) {
+  SkipBenchOptions options;
+  options.device = device_options(command);
+  options.data_folder = data_folder();
+  options.progress = [](std::string_view line) { fmt::print(stderr, "{}\n", line); };
+  if (command.quick) {
+    options.divisor = 4;
+    options.repetitions = 3;
+    options.views = 2;
+  }
+  const SkipBenchResult result = bench_skip(options);
+  return command.json ? to_json(result) : to_text(result);
+}
+
+std::string run_costs(const BenchCommand& command) {
+  CostBenchOptions options{device_options(command), data_folder(), make_stages({}).registry};
+  if (command.quick) options.repetitions = 2;
+  const CostBenchResult result = bench_costs(options);
+  return command.json ? to_json(result) : to_text(result);
+}
+
 struct Benchmark {
   std::string name;
   std::function<std::string(const BenchCommand&)> run;
 };
 
 const std::vector<Benchmark>& benchmarks() {
-  static const std::vector<Benchmark> all = {
-      {"raycast", run_raycast}, {"replay", run_replay}, {"distort", run_distort}, {"host", run_host}};
+  static const std::vector<Benchmark> all = {{"raycast", run_raycast}, {"replay", run_replay},
+                                             {"distort", run_distort}, {"skip", run_skip},
+                                             {"costs", run_costs},     {"host", run_host}};
   return all;
 }
 
