@@ -113,6 +113,14 @@ TEST_F(Warp, UncoveredPixelsAreBlackAndCounted) {
   EXPECT_EQ(run.show(eye, picture).uncovered, 0u);
 }
 
+TEST_F(Warp, UncoveredCountsPanelPixelsAndNotThePadding) {
+  const PanelEye eye{45, 19, sim::identity_lens({-1, 1, -1, 1}), {-9, 9, -9, 9}};  // sees beyond its panel
+  const Picture aside = noise_picture(20, 20, {20, 21, 20, 21});
+  DisplayRun run{device()};
+  run.counters = true;
+  EXPECT_EQ(run.show(eye, aside).uncovered, 45u * 19u);
+}
+
 TEST_F(Warp, ExtremePosesNeverReadOutsideThePicture) {
   const PanelEye eye = panel();
   Picture white = noise_picture(200, 190, eye.fov);
