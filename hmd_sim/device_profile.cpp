@@ -60,8 +60,8 @@ std::vector<DeviceProfile> list_device_profiles(const std::filesystem::path& fol
 void require_lens_data(const DeviceProfile& profile) {
   if (profile.has_lens_data()) return;
   throw input_error(
-      "device '{}' has no lens data: no source publishes its lens. Choose a device that has (brace "
-      "list devices), or copy its profile and set [lens] kind = \"identity\" there",
+      "device '{}' has no lens data: no source publishes its lens. Set device.lens = \"none\" to do "
+      "without, or choose a device that has one (brace list devices)",
       profile.name);
 }
 

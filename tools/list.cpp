@@ -93,11 +93,11 @@ Json list_generators() {
   return out;
 }
 
-Json list_files(const std::filesystem::path& folder) {
+Json list_files(const std::filesystem::path& folder, const char* extension = ".toml") {
   std::vector<std::string> names;
   std::error_code ignored;
   for (const auto& entry : std::filesystem::directory_iterator(folder, ignored)) {
-    if (entry.path().extension() == ".toml") names.push_back(entry.path().stem().string());
+    if (entry.path().extension() == extension) names.push_back(entry.path().stem().string());
   }
   std::sort(names.begin(), names.end());
   Json out = Json::array();
@@ -144,6 +144,7 @@ std::string parameter_line(const Json& p) {
 }
 
 void print_table(const Json& rows) {
+  if (rows.empty()) fmt::print("none found\n");
   for (const Json& row : rows) {
     std::string line;
     for (const auto& [key, value] : row.items()) {
@@ -168,7 +169,7 @@ int list_command(const ListCommand& command) {
       {"generators", list_generators},
       {"costs", list_costs},
       {"transfer-functions", [] { return list_files(data_folder() / "transfer_functions"); }},
-      {"traces", [] { return list_files(data_folder() / "traces"); }},
+      {"traces", [] { return list_files(data_folder() / "traces", ".trace"); }},
       {"keys", list_keys}};
   std::vector<std::string> names;
   for (const auto& [name, make] : lists) {

@@ -81,7 +81,7 @@ typedef enum brace_param_type {
 typedef struct brace_param {
   uint32_t struct_size; /* also the distance to the next one of an array */
   const char* name;     /* snake_case, unit last: bias_factor, reserve_ms */
-  brace_param_type type;
+  uint32_t type;        /* brace_param_type */
   const char* unit; /* "" if none */
   const char* help; /* one line */
   double minimum, maximum, default_value;
@@ -381,7 +381,7 @@ typedef struct brace_cost_functions {
 /* A stage: what it is and how to make one. Static data; lives as long as the library is loaded. */
 typedef struct brace_stage_descriptor {
   uint32_t struct_size;
-  brace_kind kind;
+  uint32_t kind;       /* brace_kind; a plain number, as a library may know kinds that the host does not */
   const char* name;    /* without the family: "kalman" */
   const char* version; /* "1.2.0" */
   const char* help;    /* one line */

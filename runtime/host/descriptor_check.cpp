@@ -76,7 +76,7 @@ struct TableSize {
   std::size_t own, least;
 };
 
-TableSize table_size(brace_kind kind) {
+TableSize table_size(std::uint32_t kind) {
   switch (kind) {
     case BRACE_KIND_RAYS:
       return {sizeof(brace_rays_functions), AbiSizes::rays};

@@ -29,7 +29,7 @@ class NativeStage {
 
   explicit operator bool() const { return self_ != nullptr; }
   const std::string& id() const { return id_; }
-  brace_kind kind() const { return descriptor_->kind; }
+  std::uint32_t kind() const { return descriptor_->kind; }
   bool is_active() const { return active_; }
 
   /// created → active. `activation` and everything it points to stays valid until deactivate.

@@ -373,8 +373,8 @@ Session parse_session(const std::string& text, const std::string& file_name,
   if (table.node("run.frames") != nullptr) {
     session.run.frames = static_cast<std::int64_t>(table.number_in("run.frames", 1, 1e12));
   }
-  table.number_in("run.seed", 0, 9.3e18);
-  session.run.seed = static_cast<std::uint64_t>(table.integer("run.seed"));  // exact beyond 2^53
+  if (table.integer("run.seed") < 0) table.fail("run.seed", "is negative; accepted: 0 to 2^63-1");
+  session.run.seed = static_cast<std::uint64_t>(table.integer("run.seed"));
   session.compare = read_compare(table);
 
   write_absolute_paths(table, session);

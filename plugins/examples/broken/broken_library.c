@@ -61,7 +61,7 @@ static const brace_stage_descriptor descriptor = {
     sizeof descriptor,
 #endif
 #if defined(BROKEN_KIND)
-    (brace_kind)99,
+    99,
 #elif defined(BROKEN_SCHEDULE)
     BRACE_KIND_SCHEDULE,
 #else

@@ -1,5 +1,7 @@
 #include "hmd_sim/device_profile.hpp"
 
+#include <unistd.h>
+
 #include <fstream>
 #include <sstream>
 
@@ -30,7 +32,8 @@ std::string error_after(const std::string& from, const std::string& to,
   const std::size_t at = text.find(from);
   EXPECT_NE(at, std::string::npos) << from;
   text.replace(at, from.size(), to);
-  const auto path = std::filesystem::path(testing::TempDir()) / "brace_edited_profile.toml";
+  const auto path = std::filesystem::path(testing::TempDir()) /
+                    ("brace_edited_profile_" + std::to_string(getpid()) + ".toml");
   std::ofstream(path) << text;
   try {
     load_device_profile(path);
@@ -102,7 +105,7 @@ TEST(DeviceProfile, ErrorsNameFileLineAndKey) {
   EXPECT_EQ(error_after("width_px = 1080", "width_px = 1080"), "");
   EXPECT_THAT(
       error_after("width_px = 1080", "widht_px = 1080"),
-      AllOf(HasSubstr("brace_edited_profile.toml:"), HasSubstr("panel.widht_px"), HasSubstr("'width_px'")));
+      AllOf(HasSubstr("brace_edited_profile_"), HasSubstr("panel.widht_px"), HasSubstr("'width_px'")));
   EXPECT_THAT(error_after("refresh_hz = [90, 1]", ""),
               AllOf(HasSubstr("panel.refresh_hz"), HasSubstr("missing")));
   EXPECT_THAT(error_after("refresh_hz = [90, 1]", "refresh_hz = 90"), HasSubstr("panel.refresh_hz"));

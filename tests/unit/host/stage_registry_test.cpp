@@ -114,7 +114,7 @@ TEST(StageRegistry, DescriptorBecomesTheSameDescriptionAsAManifest) {
 TEST(StageRegistry, EveryKindHasItsFamily) {
   for (int kind = BRACE_KIND_RAYS; kind <= BRACE_KIND_COST; ++kind) {
     brace_stage_descriptor descriptor{};
-    descriptor.kind = static_cast<brace_kind>(kind);
+    descriptor.kind = static_cast<std::uint32_t>(kind);
     descriptor.name = "x";
     EXPECT_EQ(stage_info(descriptor, "").family, stage_families()[static_cast<std::size_t>(kind - 1)]);
   }
