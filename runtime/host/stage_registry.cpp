@@ -93,7 +93,7 @@ void check_parameter_value(const StageInfo& stage, const StageParameter& paramet
 
 namespace {
 
-ParameterType parameter_type(brace_param_type type) {
+ParameterType parameter_type(std::uint32_t type) {
   switch (type) {
     case BRACE_PARAM_BOOL:
       return ParameterType::boolean;
@@ -104,7 +104,7 @@ ParameterType parameter_type(brace_param_type type) {
     case BRACE_PARAM_CHOICE:
       return ParameterType::choice;
   }
-  throw input_error("parameter type {} is not one of bool, int, float, choice", static_cast<int>(type));
+  throw input_error("parameter type {} is not one of bool, int, float, choice", type);
 }
 
 std::string text_or_empty(const char* text) {
