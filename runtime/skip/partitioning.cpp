@@ -142,7 +142,7 @@ Partitioning adaptive_partitions(const VoxelStatistics& statistics, std::span<co
   return result;
 }
 
-Visibility::Visibility(const TransferTable& table, double slack_value) : slack_value_(slack_value) {
+Visibility::Visibility(const TransferTable& table, Slack slack) : slack_(slack) {
   last_ = static_cast<double>(table.entries.size() - 1);
   scale_ = last_ / (table.range.max - table.range.min);
   offset_ = -table.range.min * scale_;
@@ -156,9 +156,11 @@ bool Visibility::in(ValueRange range) const {
   // What the kernel's single precision may add to a coordinate in the table, generously: value * scale is at
   // most |offset| + last there.
   const double rounding = exact_ ? 0.0 : (std::abs(offset_) + last_) * 0x1p-20;
-  const double slack = slack_value_ * scale_ + rounding;
-  const double low = std::clamp(range.min * scale_ + offset_ - slack, 0.0, last_);
-  const double high = std::clamp(range.max * scale_ + offset_ + slack, 0.0, last_);
+  const auto slack = [&](double value) {
+    return (slack_.relative * std::abs(value + slack_.zero_shift) + slack_.absolute) * scale_ + rounding;
+  };
+  const double low = std::clamp(range.min * scale_ + offset_ - slack(range.min), 0.0, last_);
+  const double high = std::clamp(range.max * scale_ + offset_ + slack(range.max), 0.0, last_);
   // Linear between entries: positive in [low, high] iff an entry at or next to it is.
   const auto first = static_cast<std::size_t>(std::floor(low));
   const auto end = static_cast<std::size_t>(std::ceil(high)) + 1;

@@ -44,12 +44,17 @@ Partitioning minimum_apart(VoxelType type, ValueRange data_range, int n);
 Partitioning adaptive_partitions(const VoxelStatistics& statistics, std::span<const TransferTable> tables,
                                  int n);
 
-/// Where a transfer table is visible, in the device's arithmetic. `slack_value`: by how much an interpolated
-/// value may lie outside the interval of the voxels around it (0 for integer voxels interpolated in the
-/// kernel).
+/// By how much rounding can put an interpolated value outside the interval of the voxels around it:
+/// relative * |value + zero_shift| + absolute. Nothing for integer voxels interpolated in the kernel.
+/// Relative where that holds, so that a background of zeros stays exactly zero.
+struct Slack {
+  double relative = 0.0, zero_shift = 0.0, absolute = 0.0;
+};
+
+/// Where a transfer table is visible, in the device's arithmetic.
 class Visibility {
  public:
-  explicit Visibility(const TransferTable& table, double slack_value = 0.0);
+  explicit Visibility(const TransferTable& table, Slack slack = {});
 
   /// Does the table absorb anywhere in the closed interval?
   bool in(ValueRange range) const;
@@ -64,7 +69,7 @@ class Visibility {
   bool visible_between_keys(VoxelType type, double low, double high) const;
 
   double scale_ = 1.0, offset_ = 0.0, last_ = 1.0;  // table coordinate = value * scale + offset
-  double slack_value_ = 0.0;
+  Slack slack_;
   bool exact_ = true;                          // coordinates of integers are exact in the device's floats
   std::vector<std::uint32_t> positive_below_;  // positive_below_[i]: absorbing entries below i
 };

@@ -131,12 +131,28 @@ SkipMemory skip_memory(const VolumeInfo& volume, const SkipOptions& options) {
   return memory;
 }
 
-double interpolation_slack(const VolumeOnDevice& volume, ValueRange data_range) {
-  if (volume.info().type == VoxelType::float32)
-    return std::max(std::abs(data_range.min), std::abs(data_range.max)) * 0x1p-21;
-  // In the kernel, weights and sums of integer voxels round towards no neighbour's other side.
-  if (volume.path() == VolumePath::packed) return 0.0;
-  return static_cast<double>(key_count(volume.info().type) - 1) * 0x1p-18;
+Slack interpolation_slack(const VolumeOnDevice& volume, ValueRange data_range) {
+  const bool filtered = volume.path() == VolumePath::sampler;
+  Slack slack;
+  switch (volume.info().type) {
+    case VoxelType::float32:
+      // Between neighbours of both signs the larger one's rounding counts.
+      if (data_range.min >= 0.0) {
+        slack.relative = 0x1p-20;
+      } else {
+        slack.absolute = std::max(std::abs(data_range.min), std::abs(data_range.max)) * 0x1p-20;
+      }
+      break;
+    case VoxelType::uint8:
+      slack.relative = filtered ? 0x1p-16 : 0.0;
+      break;
+    case VoxelType::int16:
+    case VoxelType::uint16:
+      slack.relative = filtered ? 0x1p-19 : 0.0;
+      slack.zero_shift = volume.info().type == VoxelType::int16 ? 32768.0 : 0.0;
+      break;
+  }
+  return slack;
 }
 
 Partitioning make_partitioning(const SkipScene& scene, const SkipOptions& options) {
@@ -155,7 +171,7 @@ Partitioning make_partitioning(const SkipScene& scene, const SkipOptions& option
 SkipStructure::SkipStructure(SkipKernels& kernels, const SkipScene& scene, const SkipOptions& options)
     : kernels_(&kernels),
       grid_(scene.volume.info(), options.block_voxels),
-      slack_value_(interpolation_slack(scene.volume, scene.statistics.range)),
+      slack_(interpolation_slack(scene.volume, scene.statistics.range)),
       params_buffer_(kernels.device(), "skip parameters", sizeof(BraceSkipParams), gpu::Memory::upload) {
   for (std::size_t axis = 0; axis < 3; ++axis)
     params_.blocks[axis] = grid_.blocks[axis];

@@ -89,7 +89,7 @@ class SkipStructure {
  protected:
   SkipStructure(SkipKernels& kernels, const SkipScene& scene, const SkipOptions& options);
 
-  Visibility visibility(const TransferTable& table) const { return Visibility(table, slack_value_); }
+  Visibility visibility(const TransferTable& table) const { return Visibility(table, slack_); }
   void bind_map(const gpu::TexelBuffer& words);
   void write_params(const BraceSkipParams& params);
   const gpu::Device& device() const { return kernels_->device(); }
@@ -99,7 +99,7 @@ class SkipStructure {
   BraceSkipParams params_{};
 
  private:
-  double slack_value_;
+  Slack slack_;
   gpu::Buffer params_buffer_;
   std::vector<gpu::Binding> bindings_;
 };
@@ -112,8 +112,7 @@ std::unique_ptr<SkipStructure> make_skip_structure(SkipKernels& kernels, const S
 /// The partitions that options ask for.
 Partitioning make_partitioning(const SkipScene& scene, const SkipOptions& options);
 
-/// By how much an interpolated value can leave the interval of the voxels around it, by rounding alone, as
-/// the volume lies on the device.
-double interpolation_slack(const VolumeOnDevice& volume, ValueRange data_range);
+/// The slack of interpolation as the volume lies on the device.
+Slack interpolation_slack(const VolumeOnDevice& volume, ValueRange data_range);
 
 }  // namespace brace

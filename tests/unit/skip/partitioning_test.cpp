@@ -94,6 +94,17 @@ TEST(Visibility, Skip_AbsorptionFadesOutOneEntryBeyondTheLastVisibleOne) {
   EXPECT_FALSE(visibility.in({101, 101}));
 }
 
+TEST(Visibility, Skip_SlackOfFilteringLeavesABackgroundOfZerosInvisible) {
+  std::vector<bool> visible(256, true);
+  visible[0] = false;
+  visible[8] = visible[9] = visible[10] = false;
+  const Visibility filtered(table_of({0, 255}, visible), {0x1p-16, 0.0, 0.0});
+  EXPECT_FALSE(filtered.in({0, 0}));
+  EXPECT_FALSE(filtered.in({9, 9}));
+  EXPECT_TRUE(filtered.in({10, 10}));  // a hair above 10 is visible
+  EXPECT_FALSE(Visibility(table_of({0, 255}, visible)).in({10, 10}));
+}
+
 TEST(RangeCover, Skip_EveryRunIsCoveredByFewMaps) {
   Random random(5);
   for (const RangeMinima kind : {RangeMinima::none, RangeMinima::segment_tree, RangeMinima::sparse_table}) {
