@@ -93,8 +93,8 @@ class CommandList {
 
   VkCommandBuffer_T* handle() const { return commands_; }
 
-  /// The command buffer in the recording state, for commands that others put in (native stages). They may leave
-  /// any bound state behind; the next dispatch binds its own.
+  /// The command buffer in the recording state, for commands that others put in (native stages). They may
+  /// leave any bound state behind; the next dispatch binds its own.
   VkCommandBuffer_T* hand_out();
 
  private:

@@ -265,9 +265,12 @@ namespace {
 
 VkSamplerAddressMode address_mode(Address address) {
   switch (address) {
-    case Address::clamp_to_edge: return VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE;
-    case Address::clamp_to_zero: return VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_BORDER;
-    case Address::mirror: return VK_SAMPLER_ADDRESS_MODE_MIRRORED_REPEAT;
+    case Address::clamp_to_edge:
+      return VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE;
+    case Address::clamp_to_zero:
+      return VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_BORDER;
+    case Address::mirror:
+      return VK_SAMPLER_ADDRESS_MODE_MIRRORED_REPEAT;
   }
   return VK_SAMPLER_ADDRESS_MODE_CLAMP_TO_EDGE;
 }

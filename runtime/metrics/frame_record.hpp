@@ -27,9 +27,9 @@ struct FrameRecord {
   bool missed = false;                // nothing new was latched at this vsync
   std::int32_t stale_run = 0;         // consecutive misses up to and with this one
   std::int64_t render_pose_ns = -1;   // time of the tracker reading the eye frame was rendered with
-  std::int64_t render_start_ns = -1;    // first work on the GPU
+  std::int64_t render_start_ns = -1;  // first work on the GPU
   std::int64_t render_done_ns = -1;
-  std::int64_t warp_pose_ns = -1;     // time of the tracker reading of the image shown; render's without a warp
+  std::int64_t warp_pose_ns = -1;  // time of the tracker reading of the image shown; render's without a warp
   std::int64_t warp_start_ns = -1;
   std::int64_t warp_done_ns = -1;
   std::int64_t photon_first_row_ns = -1;
@@ -42,7 +42,7 @@ struct FrameRecord {
   double position_error_m = std::numeric_limits<double>::quiet_NaN();
   double dssim_left = std::numeric_limits<double>::quiet_NaN();
   double dssim_right = std::numeric_limits<double>::quiet_NaN();
-  WorkCounts work;  // of the eye frame shown
+  WorkCounts work;                     // of the eye frame shown
   std::int64_t render_target_ns = -1;  // photon time that the eye frame's pose was predicted for
   bool pose_valid = true;              // false: the trace has a gap at photon_mid; the errors are NaN
   /// Rotation vector from the true to the shown orientation, head axes (pitch, yaw, roll); its length is

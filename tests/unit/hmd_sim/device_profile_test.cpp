@@ -1,13 +1,12 @@
 #include "hmd_sim/device_profile.hpp"
 
-#include <unistd.h>
-
 #include <fstream>
 #include <sstream>
 
 #include <glm/geometric.hpp>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
+#include <unistd.h>
 
 #include "base/error.hpp"
 

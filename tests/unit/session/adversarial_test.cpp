@@ -30,8 +30,8 @@ TEST(SessionAdversarial, EmptyFilesSayWhatIsMissing) {
 }
 
 TEST(SessionAdversarial, WhatIsNotTomlNamesItsLine) {
-  for (const char* text : {"\n\x01", "\n[", "\n=", "\na", "\n[[device]", "\nx = \"\\q\"", "\nx = 'a",
-                           "\n{}", "\n[device]]"}) {
+  for (const char* text :
+       {"\n\x01", "\n[", "\n=", "\na", "\n[[device]", "\nx = \"\\q\"", "\nx = 'a", "\n{}", "\n[device]]"}) {
     EXPECT_THAT(error_of(text), HasSubstr("s.toml:2: not valid TOML")) << text;
   }
   EXPECT_THAT(error_of("\n\xff\xfe"), HasSubstr("not valid TOML"));  // before lines are counted
