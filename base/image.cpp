@@ -1,7 +1,9 @@
 #include "base/image.hpp"
 
 #include <algorithm>
+#include <cerrno>
 #include <cstring>
+#include <fstream>
 
 #include <png.h>
 
@@ -39,9 +41,22 @@ ImageRgba8 to_rgba8(const ImageRgbaF& image) {
 void write_png(const std::filesystem::path& path, const ImageRgba8& image) {
   png_image header =
       png_header(static_cast<png_uint_32>(image.width_px), static_cast<png_uint_32>(image.height_px));
-  if (!png_image_write_to_file(&header, path.c_str(), 0, image.pixels.data(), 0, nullptr)) {
-    throw input_error("{}: cannot write the picture: {}", path.string(), header.message);
+  // Encoded in memory and written here: libpng does not tell a full disk from a missing folder.
+  png_alloc_size_t size = PNG_IMAGE_PNG_SIZE_MAX(header);
+  std::vector<char> bytes(size);
+  if (!png_image_write_to_memory(&header, bytes.data(), &size, 0, image.pixels.data(), 0, nullptr)) {
+    throw input_error("{}: cannot encode the picture: {}", path.string(), header.message);
   }
+  errno = 0;
+  std::ofstream file(path, std::ios::binary);
+  file.write(bytes.data(), static_cast<std::streamsize>(size));
+  file.close();
+  if (file) return;
+  if (errno == ENOSPC || errno == EDQUOT) {
+    throw device_error("{}: {}; free some space or choose another folder with --out", path.string(),
+                       std::strerror(errno));
+  }
+  throw input_error("{}: cannot write the picture: {}", path.string(), std::strerror(errno));
 }
 
 ImageRgba8 read_png(const std::filesystem::path& path) {

@@ -44,7 +44,7 @@ using ImageRgbaF = Image<RgbaF>;
 /// Colour values are display-referred: 8-bit = round(255 * clamp(v, 0, 1)), no transfer curve is applied.
 ImageRgba8 to_rgba8(const ImageRgbaF& image);
 
-/// Throws brace::Error naming the file (exit code 2) when it cannot be written or read.
+/// Throws brace::Error naming the file when it cannot be written or read: exit code 2, 3 for a full disk.
 void write_png(const std::filesystem::path& path, const ImageRgba8& image);
 ImageRgba8 read_png(const std::filesystem::path& path);
 

@@ -6,6 +6,7 @@
 #include "base/error.hpp"
 #include "runtime/frame/counted_work.hpp"
 #include "runtime/replay/pixel_work.hpp"
+#include "runtime/replay/recorded_work.hpp"
 #include "runtime/replay/stage_instance.hpp"
 #include "runtime/report/progress.hpp"
 
@@ -174,8 +175,8 @@ Series replay_series(const LabelledSession& labelled, const ReplayOptions& optio
   series.deterministic = cost->deterministic();
 
   std::unique_ptr<SceneOnDevice> scene;
-  std::optional<PixelWork> pixels;
-  std::optional<CountedWork> counted;
+  std::unique_ptr<FrameWork> work;
+  const PixelWork* pixels = nullptr;
   if (device != nullptr && needs_device(session)) {
     scene = load_scene(*device, session, options);
     if (scene->skip) series.facts.push_back({"skip memory", scene->skip_memory});
@@ -185,21 +186,25 @@ Series replay_series(const LabelledSession& labelled, const ReplayOptions& optio
   }
   if (makes_pictures(session) || session.clock.cost == "measured") {
     const std::string folder = labelled.label.empty() ? "images" : "images-" + file_part(labelled.label);
-    pixels.emplace(PixelWork::Inputs{*device, session, headset, *scene, placement, options.data_folder,
-                                     options.no_warp, vsyncs, run, folder});
+    auto rendered = std::make_unique<PixelWork>(PixelWork::Inputs{*device, session, headset, *scene,
+                                                                  placement, options.data_folder,
+                                                                  options.no_warp, vsyncs, run, folder});
+    pixels = rendered.get();
+    work = std::move(rendered);
   } else if (scene) {
     EyeRenderer renderer(*device, session, headset, *scene, placement, options.data_folder,
                          EyeRenderer::Counting::on);
-    counted.emplace(probe_work(
+    work = std::make_unique<CountedWork>(probe_work(
         renderer, make_eye_pair(*device, headset.eye), head, vsyncs, headset,
         PanelDisplay(*device, headset, session.pipeline.at("warp"), options.data_folder).work(), options));
     series.facts.push_back({"counted work", probe_fact(vsyncs)});
+  } else if (session.clock.cost.rfind("recorded:", 0) == 0) {
+    work = std::make_unique<RecordedWork>(session.clock.cost.substr(9));
+    series.facts.push_back({"counted work", "that of the recorded run"});
   } else {
-    counted.emplace(std::vector<WorkProbe>{{SimTime(), {}, {}}});
+    work = std::make_unique<CountedWork>(std::vector<WorkProbe>{{SimTime(), {}, {}}});
     series.facts.push_back({"counted work", "none: nothing was rendered"});
   }
-  FrameWork& work = pixels ? static_cast<FrameWork&>(*pixels) : *counted;
-
   const NativeStage predict = live_stage(session.pipeline.at("predict"));
   const NativeStage control = live_stage(session.pipeline.at("control"));
   ProgressSink sink(series.records, vsyncs, options);
@@ -207,7 +212,7 @@ Series replay_series(const LabelledSession& labelled, const ReplayOptions& optio
                                {&predict.predict_functions(), predict.self()},
                                {&control.control_functions(), control.self()},
                                *cost,
-                               work,
+                               *work,
                                sink};
   series.loop = run_frame_loop(loop_config(session, headset, session.run.frames), inputs);
   sink.finish();

@@ -133,7 +133,7 @@ TEST(DeviceProfile, ADeviceWithoutLensDataSaysWhatToDo) {
     FAIL();
   } catch (const Error& error) {
     EXPECT_EQ(error.exit_code(), ExitCode::bad_input);
-    EXPECT_THAT(error.what(), AllOf(HasSubstr("quest-3"), HasSubstr("lens"), HasSubstr("identity")));
+    EXPECT_THAT(error.what(), AllOf(HasSubstr("quest-3"), HasSubstr("lens"), HasSubstr("device.lens")));
   }
 }
 
