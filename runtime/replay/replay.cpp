@@ -66,10 +66,9 @@ ReportInput report_input(const std::vector<LabelledSession>& sessions, const std
   input.resolution_scale = session.device.resolution_scale;
   input.trace = trace_name(session, head_trace);
   input.clock = {"virtual", session.clock.queue, session.clock.cost, session.clock.cost_resolution};
-  if (session.clock.cost.rfind("recorded:", 0) == 0) {
-    // The folder differs between machines and must not make equal runs differ.
-    input.clock.cost = "recorded:" + std::filesystem::path(session.clock.cost.substr(9)).filename().string();
-  }
+  // Where the recording lies differs between machines and must not make equal runs differ; session.toml has
+  // it.
+  if (session.clock.cost.rfind("recorded:", 0) == 0) input.clock.cost = "recorded";
   input.deterministic = true;
   for (const Series& series : all) {
     input.deterministic = input.deterministic && series.deterministic;
