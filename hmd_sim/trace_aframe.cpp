@@ -21,6 +21,9 @@ Json parse_json(const std::string& text, const std::string& name) {
     const auto line = 1 + std::count(text.begin(), end, '\n');
     throw input_error("{}:{}: not valid JSON at byte {}; an A-Frame motion-capture recording is wanted", name,
                       line, e.byte);
+  } catch (const Json::out_of_range&) {
+    throw input_error(
+        "{}: a number beyond the range of double; an A-Frame motion-capture recording is wanted", name);
   }
 }
 
