@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <cmath>
 #include <cstring>
 #include <fstream>
 
@@ -15,7 +16,7 @@ namespace {
 
 std::uint8_t to_8bit(float v) {
   // The comparison order sends NaN to 0.
-  return static_cast<std::uint8_t>((v > 0.0f ? std::min(v, 1.0f) : 0.0f) * 255.0f + 0.5f);
+  return static_cast<std::uint8_t>(std::lround((v > 0.0f ? std::min(v, 1.0f) : 0.0f) * 255.0f));
 }
 
 png_image png_header(png_uint_32 width, png_uint_32 height) {
