@@ -83,7 +83,7 @@ bool lens_is_identity(const EyeLens& lens, const FovTangents& fov) {
     // 5 x 5 points give at least as many different radii as a model has coefficients, so one that is 1 at all
     // of them is 1 everywhere.
     for (int i = 0; i < 25; ++i) {
-      const glm::dvec2 uv((i % 5) / 4.0, (i / 5) / 4.0);
+      const glm::dvec2 uv((i % 5) / 4.0, static_cast<double>(i / 5) / 4.0);
       if (glm::length(display_point(lens, channel, uv)) > lens.cutoff_radius) return false;
       const glm::dvec2 tangents = tangents_of(lens, channel, display_point(lens, channel, uv));
       if (!(glm::length(tangents_to_target_uv(fov, tangents) - uv) <= 1e-9)) return false;

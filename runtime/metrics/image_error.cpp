@@ -148,7 +148,7 @@ void for_each_window_row(const Pictures& pictures, const Visit& visit) {
   if (width <= 0 || height <= 0) return;
   const int window_w = std::min(ssim_window_px, width);
   const int window_h = std::min(ssim_window_px, height);
-  const auto windows = static_cast<std::size_t>(width - window_w + 1);
+  const auto windows = static_cast<std::size_t>(width - window_w) + 1;
 
   PixelRow row(width);
   Sums columns(static_cast<std::size_t>(width * channels));
@@ -167,7 +167,7 @@ void for_each_window_row(const Pictures& pictures, const Visit& visit) {
     }
     sum_windows(column_counts.data(), window_w, windows, counts.data(), pairs, quads);
     for (int c = 0; c < channels; ++c) {
-      const auto first = static_cast<std::size_t>(c * width);
+      const auto first = static_cast<std::size_t>(c) * static_cast<std::size_t>(width);
       sum_windows(&columns.shown[first], window_w, windows, sums.shown.data(), pairs, quads);
       sum_windows(&columns.reference[first], window_w, windows, sums.reference.data(), pairs, quads);
       sum_windows(&columns.squares[first], window_w, windows, sums.squares.data(), pairs, quads);

@@ -179,7 +179,7 @@ bool SessionTable::flag(const std::string& key) const {
 }
 
 std::string SessionTable::choice(const std::string& key) const {
-  const std::string value = text(key);
+  std::string value = text(key);
   const std::vector<std::string> choices = split(key_info(key).accepted, '|');
   if (std::find(choices.begin(), choices.end(), value) != choices.end()) return value;
   fail(key, fmt::format("is '{}'{}; accepted: {}", value, did_you_mean(value, choices), join(choices)));
