@@ -117,7 +117,7 @@ class CastSubject final : public Subject {
     CastFaults faults;
     std::uint64_t unwritten = 0;
     bool changed = false;
-    suite.clause("casts from outside, inside and past the volume", [&] {
+    suite.prepare("casts from outside, inside and past the volume", [&] {
       const Life life(*this, values);
       for (const BenchView view : bench_views) {
         const CastOutput a = cast(view, first_fill, whole());
@@ -127,7 +127,6 @@ class CastSubject final : public Subject {
         changed = changed || a.inputs_changed || b.inputs_changed;
         spoilt += a.spoilt + b.spoilt;
       }
-      return fmt::format("{} rays", faults.rays);
     });
     const std::uint64_t rays = faults.rays;
     suite.clause("every ray is written",

@@ -23,9 +23,13 @@ bool Suite::clause(const std::string& name, const std::function<std::string()>& 
   return results_.back().passed;
 }
 
-bool Suite::passed(const std::string& name) const {
-  return std::any_of(results_.begin(), results_.end(),
-                     [&](const ClauseResult& result) { return result.clause == name && result.passed; });
+void Suite::prepare(const std::string& name, const std::function<void()>& work) {
+  try {
+    work();
+  } catch (const Error& error) {
+    const std::string found = error.what();
+    clause(name, [&]() -> std::string { throw Broken(found); });
+  }
 }
 
 namespace {

@@ -123,7 +123,7 @@ class RaysSubject final : public Subject {
     BraceFaults faults;
     std::uint64_t unwritten = 0, spoilt = 0;
     bool changed = false;
-    suite.clause("opens and closes from outside, inside and past the volume", [&] {
+    suite.prepare("opens and closes from outside, inside and past the volume", [&] {
       const Life life(*this, values);
       for (const BenchView view : bench_views) {
         const BraceOutput a = run(view, first_fill), b = run(view, second_fill);
@@ -135,7 +135,6 @@ class RaysSubject final : public Subject {
         changed = changed || a.inputs_changed || b.inputs_changed;
         spoilt += a.spoilt + b.spoilt;
       }
-      return fmt::format("{} rays, {} pixels", faults.rays, faults.pixels);
     });
     suite.clause("every ray and pixel is written", [&] {
       return none_of(unwritten, 8 * faults.rays + 2 * faults.pixels, "words were left as they were");

@@ -26,7 +26,9 @@ class Suite {
   explicit Suite(std::function<void(const ClauseResult&)> on_clause) : on_clause_(std::move(on_clause)) {}
 
   bool clause(const std::string& name, const std::function<std::string()>& check);
-  bool passed(const std::string& name) const;
+  /// Work that clauses after it judge: a result only where it fails, which a stage that has passed
+  /// "lifecycle" does only if it fails now and then.
+  void prepare(const std::string& name, const std::function<void()>& work);
   std::vector<ClauseResult> take() { return std::move(results_); }
 
  private:
