@@ -21,8 +21,8 @@ struct SkipChoice {
   std::string reason;  // one line for the report
 };
 
-/// Share of visible voxels from which on looking up costs more than the samples it saves; measured by
-/// `brace bench skip`.
+/// Share of visible voxels from which on looking up is taken to cost more than the samples it saves. An
+/// assumption: `brace bench skip` measures the frame times to set it from.
 inline constexpr double occupancy_worth_skipping = 0.6;
 
 /// The cheapest structure for a scene, or none. Wanted: distances (fewest samples). From the least memory to
