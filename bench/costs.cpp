@@ -63,7 +63,7 @@ void measure(const gpu::Device& device, const CostBenchOptions& options, const C
   const Headset headset = make_headset(session.device, options.data_folder);
   const Pose head{};
   const VolumePlacement placement = place_volume(session.scene, head);
-  const std::unique_ptr<SceneOnDevice> scene = load_scene(device, session, replay);
+  const std::unique_ptr<SceneOnDevice> scene = load_scene(device, session, replay, headset.profile.refresh);
   EyeRenderer renderer(device, session, headset, *scene, placement, options.data_folder,
                        EyeRenderer::Counting::on);
   PanelDisplay display(device, headset, session.pipeline.at("warp"), options.data_folder);

@@ -51,6 +51,10 @@ WorkCounts CountedWork::interpolate(SimTime time, WorkCounts WorkProbe::*counts)
   return mix(before.*counts, after.*counts, t);
 }
 
+JobOutcome CountedWork::update(const UpdateRequest& request) {
+  return {.work = interpolate(request.start, &WorkProbe::update)};
+}
+
 JobOutcome CountedWork::cast(const CastRequest& request) {
   const WorkCounts full = interpolate(request.start, &WorkProbe::cast);
   if (request.quality == 1.0) return {.work = full};

@@ -12,6 +12,7 @@ struct WorkProbe {
   SimTime time;
   WorkCounts cast{};
   WorkCounts warp{};
+  WorkCounts update{};  // of a change of the transfer function to the version in force there
 };
 
 /// FrameWork without pixels, for pacing-only replays: counts are interpolated linearly between probes
@@ -23,6 +24,7 @@ class CountedWork final : public FrameWork {
   /// Probes in increasing time, at least one; throws input_error otherwise. period 0: none.
   explicit CountedWork(std::vector<WorkProbe> probes, SimDuration period = SimDuration(0));
 
+  JobOutcome update(const UpdateRequest& request) override;
   JobOutcome cast(const CastRequest& request) override;
   JobOutcome warp(const WarpRequest& request) override;
   ShowOutcome show(const ShowRequest& request) override;

@@ -66,6 +66,7 @@ struct Loop {
   std::int64_t next_latch_vsync = 0;   // the vsync that the next warp latches for
   std::int64_t front_seen_vsync = -1;  // that the front buffer was first latched for; -1: not yet
   std::int64_t last_predicted_vsync = -1;
+  std::int64_t transfer_version = 0;  // that eye frames show
   FrameLoopResult result;
 };
 
@@ -138,7 +139,20 @@ std::int64_t expect_vsync(Loop& loop) {
   return vsync;
 }
 
+/// Brings the GPU to the transfer function in force, before the cast that shows it first.
+void update_transfer(Loop& loop) {
+  const SimTime now = loop.events.now();
+  const std::int64_t version = loop.config.transfer.version_at(now);
+  if (version == loop.transfer_version) return;
+  loop.transfer_version = version;
+  ++loop.result.transfer_updates;
+  const std::int64_t frame = loop.result.eye_frames_started;
+  submit(loop, JobKind::update, frame,
+         loop.inputs.work.update({.frame = frame, .transfer_version = version, .start = now}));
+}
+
 void start_eye_frame(Loop& loop) {
+  update_transfer(loop);
   const SimTime now = loop.events.now();
   const std::int64_t vsync = expect_vsync(loop);
   const std::span<const brace_tracker_sample> readings = loop.inputs.head.readings(now);
@@ -293,8 +307,11 @@ void show_vsync(Loop& loop, std::int64_t vsync) {
     describe_image(record, *loop.panel, loop.config.warp_pose);
     const Pose truth = loop.inputs.head.true_pose(now + loop.photons.mid);
     if (record.pose_valid) describe_error(record, shown_pose(*loop.panel, loop.config.warp_pose), truth);
-    const ShowOutcome outcome = loop.inputs.work.show(
-        {.vsync_index = vsync, .image_is_new = image_is_new, .true_world_from_head = truth});
+    const ShowOutcome outcome =
+        loop.inputs.work.show({.vsync_index = vsync,
+                               .image_is_new = image_is_new,
+                               .true_world_from_head = truth,
+                               .transfer_version = loop.config.transfer.version_at(now + loop.photons.mid)});
     record.dssim_left = outcome.dssim_left;
     record.dssim_right = outcome.dssim_right;
   }

@@ -9,6 +9,7 @@
 #include "runtime/frame/frame_work.hpp"
 #include "runtime/frame/head_motion.hpp"
 #include "runtime/frame/record_sink.hpp"
+#include "runtime/frame/transfer_schedule.hpp"
 #include "runtime/timeline/cost_source.hpp"
 #include "runtime/timeline/simulated_gpu.hpp"
 
@@ -49,6 +50,7 @@ struct FrameLoopConfig {
   /// switch. Never more than a period.
   std::optional<SimDuration> warp_lead;
   SimDuration warp_margin{500'000};
+  TransferSchedule transfer;  // when the scene's transfer function changes
 };
 
 /// Stages the loop itself calls, through the C ABI. Not owned.
@@ -76,6 +78,7 @@ struct FrameLoopResult {
   std::int64_t eye_frames_started = 0;
   std::int64_t eye_frames_finished = 0;
   std::int64_t warps = 0;
+  std::int64_t transfer_updates = 0;
   /// Eye frames whose pose was predicted for a vsync at which, as was known when they were started, the frame
   /// before them is seen. Always 0 with Pace::vsync; with Pace::free frames faster than the display share
   /// vsyncs.
@@ -92,6 +95,10 @@ struct FrameLoopResult {
 /// the middle of the photons of the vsync where it is expected to be seen first: start + mean of the last 8
 /// frame durations (nothing before the first), the first vsync whose warp latches after that, and with
 /// Pace::vsync later than the one where the frame before is seen. Finished by the GPU it is the front buffer.
+///
+/// Transfer function. An eye frame shows the version in force when it is started. If that is another one than
+/// the frame before it showed, an update job goes to the GPU right before its cast; versions that no frame
+/// starts in are passed over.
 ///
 /// Display. A lead before vsync k the warp takes the newest finished eye frame and, if it uses a pose, the
 /// newest readings, predicted for the middle of vsync k's photons. Done by the vsync, its image is scanned

@@ -36,6 +36,15 @@ struct ShowRequest {
   std::int64_t vsync_index = 0;
   bool image_is_new = false;  // true: the image of the last warp; false: the panel repeats what it has
   Pose true_world_from_head{};
+  std::int64_t transfer_version = 0;  // in force at photon time: what an ideal picture shows
+};
+
+/// A change of the transfer function: what is cast from now on shows this version, and the structures that
+/// skip empty space must be brought to it first. Versions: TransferSchedule.
+struct UpdateRequest {
+  std::int64_t frame = 0;  // the first eye frame that shows it
+  std::int64_t transfer_version = 0;
+  SimTime start{};
 };
 
 /// `device_time` is what the device at hand measured (zero if nothing ran); only the `measured` cost source
@@ -55,6 +64,8 @@ struct ShowOutcome {
 class FrameWork {
  public:
   virtual ~FrameWork() = default;
+  /// Called between casts, before the cast of the eye frame that it names.
+  virtual JobOutcome update(const UpdateRequest& request) = 0;
   virtual JobOutcome cast(const CastRequest& request) = 0;
   virtual JobOutcome warp(const WarpRequest& request) = 0;
   /// Called for every vsync from the first image on, in order. Not called before there is an image.

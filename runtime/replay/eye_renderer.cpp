@@ -60,6 +60,7 @@ EyeRenderer::EyeRenderer(const gpu::Device& device, const Session& session, cons
                          const SceneOnDevice& scene, const VolumePlacement& placement,
                          const std::filesystem::path& data_folder, Counting counting)
     : device_(device),
+      session_(session),
       headset_(headset),
       scene_(scene),
       placement_(placement),
@@ -67,18 +68,26 @@ EyeRenderer::EyeRenderer(const gpu::Device& device, const Session& session, cons
       pipeline_(device, session_kernels(session, scene, data_folder, counting == Counting::on)),
       rays_(device, headset.eye.width_px, headset.eye.height_px),
       commands_(device, "eyes") {
-  activate_native_stages(session);
+  activate_native_stages();
 }
 
-void EyeRenderer::activate_native_stages(const Session& session) {
+void EyeRenderer::transfer_changed() {
+  if (activation_ == nullptr) return;
+  native_rays_ = {};
+  native_cast_ = {};
+  activation_.reset();
+  activate_native_stages();
+}
+
+void EyeRenderer::activate_native_stages() {
   const auto make = [&](const char* family, NativeStage& stage) {
-    if (!is_native(session, family)) return;
+    if (!is_native(session_, family)) return;
     if (activation_ == nullptr) {
       activation_ = std::make_unique<StageActivation>(
-          activation_input(device_, scene_.volume, placement_, scene_.table, step_voxels_of(session),
+          activation_input(device_, scene_.volume, placement_, scene_.table, step_voxels_of(session_),
                            headset_.eye.width_px, headset_.eye.height_px));
     }
-    stage = NativeStage(session.pipeline.at(family));
+    stage = NativeStage(session_.pipeline.at(family));
     try {
       stage.activate(activation_->get());
     } catch (const Error&) {

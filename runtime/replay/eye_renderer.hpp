@@ -16,7 +16,7 @@ using EyePair = std::array<EyeTarget, 2>;
 
 EyePair make_eye_pair(const gpu::Device& device, PictureSize size);
 
-/// Ray casts both eyes of a head pose. Device, headset and scene must outlive it.
+/// Ray casts both eyes of a head pose. Everything given must outlive it.
 class EyeRenderer {
  public:
   enum class Counting { off, on };
@@ -29,11 +29,16 @@ class EyeRenderer {
 
   JobOutcome render(const Pose& world_from_head, const EyePair& into);
 
+  /// Call after the scene's transfer function has changed: native stages, which have it from their
+  /// activation, are activated anew.
+  void transfer_changed();
+
  private:
-  void activate_native_stages(const Session& session);
+  void activate_native_stages();
   JobOutcome render_with_native_stages(const Pose& world_from_head, const EyePair& into);
 
   const gpu::Device& device_;
+  const Session& session_;
   const Headset& headset_;
   const SceneOnDevice& scene_;
   VolumePlacement placement_;

@@ -27,6 +27,17 @@ PixelWork::PixelWork(const Inputs& inputs)
   }
 }
 
+JobOutcome PixelWork::show_transfer(std::int64_t version) {
+  const JobOutcome outcome = in_.scene.show_transfer(in_.device, version);
+  renderer_.transfer_changed();
+  if (ideal_) ideal_->renderer.transfer_changed();
+  return outcome;
+}
+
+JobOutcome PixelWork::update(const UpdateRequest& request) {
+  return show_transfer(request.transfer_version);
+}
+
 JobOutcome PixelWork::cast(const CastRequest& request) {
   return renderer_.render(request.world_from_head, slots_[static_cast<std::size_t>(request.slot)]);
 }
@@ -42,15 +53,20 @@ JobOutcome PixelWork::warp(const WarpRequest& request) {
 ShowOutcome PixelWork::show(const ShowRequest& request) {
   if (request.image_is_new) std::swap(shown_, waiting_);
   if (pictures_at_.names(request.vsync_index)) keep_pictures(request.vsync_index);
-  if (error_at_.names(request.vsync_index)) return measure_error(request.true_world_from_head);
+  if (error_at_.names(request.vsync_index)) return measure_error(request);
   const double none = std::numeric_limits<double>::quiet_NaN();
   return {none, none};
 }
 
-ShowOutcome PixelWork::measure_error(const Pose& true_world_from_head) {
+ShowOutcome PixelWork::measure_error(const ShowRequest& request) {
+  const Pose& true_world_from_head = request.true_world_from_head;
+  const std::int64_t shown_version = in_.scene.transfer_version;
+  const bool differs = request.transfer_version != shown_version;
+  if (differs) show_transfer(request.transfer_version);
   ideal_->renderer.render(true_world_from_head, ideal_->eyes);
   ideal_->display.show(ideal_->eyes, true_world_from_head, true_world_from_head);
   const PanelPair ideal = ideal_->display.read();
+  if (differs) show_transfer(shown_version);  // what is cast next still shows it
   return {dssim_from_ssim(ssim(shown_[0], ideal[0], visible_[0])),
           dssim_from_ssim(ssim(shown_[1], ideal[1], visible_[1]))};
 }

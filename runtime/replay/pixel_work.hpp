@@ -22,7 +22,7 @@ class PixelWork final : public FrameWork {
     const gpu::Device& device;
     const Session& session;
     const Headset& headset;
-    const SceneOnDevice& scene;
+    SceneOnDevice& scene;
     const VolumePlacement& placement;
     const std::filesystem::path& data_folder;
     const PipelineStage& no_warp;  // warp/none: what the ideal picture is shown with
@@ -32,6 +32,7 @@ class PixelWork final : public FrameWork {
   };
   explicit PixelWork(const Inputs& inputs);
 
+  JobOutcome update(const UpdateRequest& request) override;
   JobOutcome cast(const CastRequest& request) override;
   JobOutcome warp(const WarpRequest& request) override;
   ShowOutcome show(const ShowRequest& request) override;
@@ -39,14 +40,15 @@ class PixelWork final : public FrameWork {
   const std::vector<EyePicture>& pictures() const { return pictures_; }
 
  private:
-  /// An ideal render: full quality, the true pose, no warp.
+  /// An ideal render: full quality, the true pose and transfer function of photon time, no warp.
   struct Ideal {
     EyeRenderer renderer;
     PanelDisplay display;
     EyePair eyes;
   };
 
-  ShowOutcome measure_error(const Pose& true_world_from_head);
+  JobOutcome show_transfer(std::int64_t version);
+  ShowOutcome measure_error(const ShowRequest& request);
   void keep_pictures(std::int64_t vsync_index);
 
   Inputs in_;

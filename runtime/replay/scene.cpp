@@ -9,15 +9,6 @@ namespace brace {
 
 namespace {
 
-TransferFunction session_transfer_function(const Session::Scene& scene, ValueRange data_range,
-                                           const std::filesystem::path& data_folder) {
-  TransferFunction tf = load_transfer_function(scene.transfer_function, data_folder / "transfer_functions");
-  if (!scene.window && !scene.level) return tf;
-  const double width = scene.window.value_or(data_range.max - data_range.min);
-  const double level = scene.level.value_or(0.5 * (data_range.min + data_range.max));
-  return with_window(tf, {.level = level, .width = width});
-}
-
 void build_skip_structure(const gpu::Device& device, const Session& session,
                           const std::filesystem::path& data_folder, SceneOnDevice& scene) {
   // Structures belong to the stages that come with Brace; one of another origin works with what is bound
@@ -29,16 +20,31 @@ void build_skip_structure(const gpu::Device& device, const Session& session,
   scene.skip_memory = skip_memory(scene.volume.info(), options).formula;
   scene.skip_kernels = std::make_unique<SkipKernels>(device, data_folder / "kernels" / "skip");
   ProgressMeter meter("building " + session.pipeline.at("skip").stage.id(), 1000, "‰");
+  const std::vector<TransferTable> tables = scene.versions.typical_tables();
   scene.skip = make_skip_structure(
-      *scene.skip_kernels, {scene.volume, scene.statistics, std::span(&scene.table, 1)}, options,
+      *scene.skip_kernels, {scene.volume, scene.statistics, tables}, options,
       [&](double fraction) { meter.update(static_cast<std::uint64_t>(fraction * 1000.0)); });
   meter.finish();
-  gpu::CommandList commands(device, "skip update");
-  scene.skip->update(commands, scene.table);
-  gpu::submit_and_wait(commands);
 }
 
 }  // namespace
+
+JobOutcome SceneOnDevice::show_transfer(const gpu::Device& device, std::int64_t version) {
+  transfer_version = version;
+  table = versions.table(version);
+  transfer.update(device, table, step_units);
+  JobOutcome outcome;
+  outcome.work.bytes = table.entries.size() * sizeof(std::array<float, 4>);
+  if (skip == nullptr) return outcome;
+  if (!update_commands) update_commands = gpu::CommandList(device, "skip update");
+  gpu::CommandList& commands = *update_commands;
+  commands.reset();
+  commands.begin_timing("update");
+  outcome.work.bytes += skip->update(commands, table).bytes;
+  commands.end_timing();
+  outcome.device_time = SimDuration(gpu::device_ns(gpu::submit_and_wait(commands), "update"));
+  return outcome;
+}
 
 double step_voxels_of(const Session& session) {
   const PipelineStage& cast = session.pipeline.at("cast");
@@ -49,7 +55,7 @@ double step_voxels_of(const Session& session) {
 }
 
 std::unique_ptr<SceneOnDevice> load_scene(const gpu::Device& device, const Session& session,
-                                          const ReplayOptions& options) {
+                                          const ReplayOptions& options, sim::Rate refresh) {
   const Session::Scene& wanted = session.scene;
   OpenOptions open;
   open.non_finite = wanted.nan == "empty" ? NonFinitePolicy::treat_as_empty : NonFinitePolicy::reject;
@@ -68,15 +74,18 @@ std::unique_ptr<SceneOnDevice> load_scene(const gpu::Device& device, const Sessi
 
   const VolumeInfo& info = scene->volume.info();
   const ValueRange range = scene->statistics.range;
-  const TransferFunction tf = session_transfer_function(wanted, range, options.data_folder);
   const auto edges = box_size(info);
   const double voxel_length_m =
       wanted.size_m * voxel_length(info) / *std::max_element(edges.begin(), edges.end());
   TableLayout layout = table_layout(info.type, range);
   if (wanted.table_entries) layout.entries = *wanted.table_entries;
-  scene->table = bake(resolve(tf, range, voxel_length_m), layout);
-  scene->transfer = TransferOnDevice(device, scene->table, step_voxels_of(session));
+  scene->versions = TransferVersions(wanted, refresh, options.data_folder / "transfer_functions",
+                                     {range, voxel_length_m, layout});
+  scene->table = scene->versions.table(0);
+  scene->step_units = step_voxels_of(session);
+  scene->transfer = TransferOnDevice(device, scene->table, scene->step_units);
   build_skip_structure(device, session, options.data_folder, *scene);
+  scene->show_transfer(device, 0);
   return scene;
 }
 

@@ -1,12 +1,15 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 
+#include "runtime/frame/frame_work.hpp"
 #include "runtime/raycast/transfer_on_device.hpp"
 #include "runtime/raycast/volume_on_device.hpp"
 #include "runtime/replay/replay.hpp"
+#include "runtime/replay/transfer_versions.hpp"
 #include "runtime/skip/skip_structure.hpp"
 #include "runtime/volume/statistics.hpp"
 
@@ -15,12 +18,20 @@ namespace brace {
 /// A session's volume and transfer function in device memory.
 struct SceneOnDevice {
   VolumeOnDevice volume;
+  TransferVersions versions;
+  std::int64_t transfer_version = 0;  // that the members below stand for
   TransferTable table;
+  double step_units = 0.5;
   TransferOnDevice transfer;  // with the cast stage's step baked in
   VoxelStatistics statistics;
   std::unique_ptr<SkipKernels> skip_kernels;
-  std::unique_ptr<SkipStructure> skip;  // null for skip/none
-  std::string skip_memory;              // what the structure takes and why, for the report; "" without one
+  std::unique_ptr<SkipStructure> skip;              // null for skip/none
+  std::optional<gpu::CommandList> update_commands;  // made at the first update
+  std::string skip_memory;  // what the structure takes and why, for the report; "" without one
+
+  /// Brings transfer function and structure to a version; nothing submitted may be waiting. Returns the work
+  /// of the change: the bytes of the table and those that the structure reads and writes.
+  JobOutcome show_transfer(const gpu::Device& device, std::int64_t version);
 
   /// What the skip stage's snippet binds.
   std::span<const gpu::Binding> skip_bindings() const {
@@ -34,6 +45,6 @@ double step_voxels_of(const Session& session);
 /// Streams the volume to the device, bakes the transfer function and builds the skip stage's structure, which
 /// refers to the volume: the scene stays where it is. Throws brace::Error or Interrupted.
 std::unique_ptr<SceneOnDevice> load_scene(const gpu::Device& device, const Session& session,
-                                          const ReplayOptions& options);
+                                          const ReplayOptions& options, sim::Rate refresh);
 
 }  // namespace brace

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <optional>
+#include <set>
 
 #include "base/error.hpp"
 #include "runtime/frame/counted_work.hpp"
@@ -33,7 +34,7 @@ std::unique_ptr<CostSource> make_cost(const Session& session, const std::filesys
   if (clock.cost == "scripted") {
     std::vector<CostSegment> segments;
     for (const auto& s : clock.script)
-      segments.push_back({s.from_s, s.cast_ms, s.warp_ms, 0.0});
+      segments.push_back({s.from_s, s.cast_ms, s.warp_ms, s.update_ms});
     return make_scripted_cost(segments, clock.cost_scale);
   }
   const std::string name = clock.cost.substr(clock.cost.find(':') + 1);
@@ -103,17 +104,38 @@ std::vector<LeftOut> left_out(const Session& session, const Headset& headset) {
   return left;
 }
 
-/// Counts of work along the head's motion, from eye frames rendered at the true poses.
-CountedWork probe_work(EyeRenderer& renderer, const EyePair& eyes, HeadMotion head, std::int64_t vsyncs,
-                       const Headset& headset, const WorkCounts& warp, const ReplayOptions& options) {
+/// Up to kProbes vsyncs of the run, and both sides of each change of the transfer function.
+std::set<SimTime> probe_times(const TransferSchedule& transfer, const Headset& headset, std::int64_t vsyncs) {
   const sim::VsyncClock clock(SimTime(), headset.profile.refresh);
   const std::int64_t count = std::min<std::int64_t>(kProbes, vsyncs);
+  std::set<SimTime> times;
+  for (std::int64_t i = 0; i < count; ++i)
+    times.insert(clock.time_of(count == 1 ? 0 : i * (vsyncs - 1) / (count - 1)));
+  for (const SimTime change : transfer.changes()) {
+    if (change > clock.time_of(vsyncs - 1)) break;
+    times.insert(change - SimDuration(1));
+    times.insert(change);
+  }
+  return times;
+}
+
+/// Counts of work along the head's motion, from eye frames rendered at the true poses.
+CountedWork probe_work(EyeRenderer& renderer, const gpu::Device& device, SceneOnDevice& scene,
+                       HeadMotion head, std::int64_t vsyncs, const Headset& headset, const WorkCounts& warp,
+                       const ReplayOptions& options) {
+  const EyePair eyes = make_eye_pair(device, headset.eye);
+  const std::set<SimTime> times = probe_times(scene.versions.schedule(), headset, vsyncs);
   std::vector<WorkProbe> probes;
-  ProgressMeter meter("probing work", static_cast<std::uint64_t>(count), "frames");
-  for (std::int64_t i = 0; i < count; ++i) {
-    const SimTime time = clock.time_of(count == 1 ? 0 : i * (vsyncs - 1) / (count - 1));
-    probes.push_back({time, renderer.render(head.true_pose(time), eyes).work, warp});
-    meter.update(static_cast<std::uint64_t>(i + 1));
+  ProgressMeter meter("probing work", static_cast<std::uint64_t>(times.size()), "frames");
+  WorkCounts update;
+  for (const SimTime time : times) {
+    const std::int64_t version = scene.versions.schedule().version_at(time);
+    if (version != scene.transfer_version) {
+      update = scene.show_transfer(device, version).work;
+      renderer.transfer_changed();
+    }
+    probes.push_back({time, renderer.render(head.true_pose(time), eyes).work, warp, update});
+    meter.update(probes.size());
     throw_if_interrupted(options);
   }
   meter.finish();
@@ -178,7 +200,7 @@ Series replay_series(const LabelledSession& labelled, const ReplayOptions& optio
   std::unique_ptr<FrameWork> work;
   const PixelWork* pixels = nullptr;
   if (device != nullptr && needs_device(session)) {
-    scene = load_scene(*device, session, options);
+    scene = load_scene(*device, session, options, headset.profile.refresh);
     if (scene->skip) series.facts.push_back({"skip memory", scene->skip_memory});
     series.facts.push_back({"volume path", scene->volume.path_reason()});
     for (const std::string& note : scene->volume.info().notes)
@@ -195,7 +217,7 @@ Series replay_series(const LabelledSession& labelled, const ReplayOptions& optio
     EyeRenderer renderer(*device, session, headset, *scene, placement, options.data_folder,
                          EyeRenderer::Counting::on);
     work = std::make_unique<CountedWork>(probe_work(
-        renderer, make_eye_pair(*device, headset.eye), head, vsyncs, headset,
+        renderer, *device, *scene, head, vsyncs, headset,
         PanelDisplay(*device, headset, session.pipeline.at("warp"), options.data_folder).work(), options));
     series.facts.push_back({"counted work", probe_fact(vsyncs)});
   } else if (session.clock.cost.rfind("recorded:", 0) == 0) {
@@ -204,6 +226,12 @@ Series replay_series(const LabelledSession& labelled, const ReplayOptions& optio
   } else {
     work = std::make_unique<CountedWork>(std::vector<WorkProbe>{{SimTime(), {}, {}}});
     series.facts.push_back({"counted work", "none: nothing was rendered"});
+  }
+  FrameLoopConfig config = loop_config(session, headset, session.run.frames);
+  if (scene) {
+    config.transfer = scene->versions.schedule();
+  } else {
+    config.transfer = transfer_schedule(session.scene, headset.profile.refresh);
   }
   const NativeStage predict = live_stage(session.pipeline.at("predict"));
   const NativeStage control = live_stage(session.pipeline.at("control"));
@@ -214,7 +242,7 @@ Series replay_series(const LabelledSession& labelled, const ReplayOptions& optio
                                *cost,
                                *work,
                                sink};
-  series.loop = run_frame_loop(loop_config(session, headset, session.run.frames), inputs);
+  series.loop = run_frame_loop(config, inputs);
   sink.finish();
   series.jobs = series.records.jobs_by_submission();
   if (pixels) series.pictures = pixels->pictures();

@@ -8,22 +8,15 @@
 
 #include "base/error.hpp"
 #include "base/suggest.hpp"
+#include "runtime/session/session_paths.hpp"
 #include "runtime/session/session_table.hpp"
+#include "runtime/session/transfer_keys.hpp"
 
 namespace brace {
 
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-
-std::filesystem::path absolute_from(const std::filesystem::path& folder, const std::string& path) {
-  const std::filesystem::path given(path);
-  return (given.is_absolute() ? given : folder / given).lexically_normal();
-}
-
-bool is_bare_name(const std::string& text) {
-  return text.find_first_of("/.") == std::string::npos;
-}
 
 Session::Device read_device(const SessionTable& table) {
   Session::Device device;
@@ -105,10 +98,7 @@ Session::Scene read_scene(const SessionTable& table, const std::filesystem::path
   Session::Scene scene;
   scene.volume = table.text("scene.volume");
   if (scene.volume.rfind("generator:", 0) != 0) scene.volume = absolute_from(folder, scene.volume).string();
-  scene.transfer_function = table.text("scene.transfer_function");
-  if (!is_bare_name(scene.transfer_function)) {
-    scene.transfer_function = absolute_from(folder, scene.transfer_function).string();
-  }
+  scene.transfer_function = transfer_function_from(folder, table.text("scene.transfer_function"));
   scene.shading = table.choice("scene.shading");
   scene.size_m = table.number_in("scene.size_m", 1e-6, 1e6);
   scene.position = table.text("scene.position");
@@ -120,6 +110,7 @@ Session::Scene read_scene(const SessionTable& table, const std::filesystem::path
   scene.window = table.optional_number("scene.window");
   if (scene.window && !(*scene.window > 0.0)) table.fail("scene.window", "wants a width above 0");
   scene.level = table.optional_number("scene.level");
+  read_transfer_changes(table, folder, scene);
   if (table.node("scene.table_entries") != nullptr) {
     scene.table_entries = static_cast<int>(table.number_in("scene.table_entries", 256, 4096));
   }
@@ -134,14 +125,15 @@ std::vector<Session::Clock::ScriptedSegment> read_script(const SessionTable& tab
   if (node == nullptr) return script;
   for (const auto& entry : *node->as_array()) {
     const toml::table& segment = *entry.as_table();
-    reject_unknown_keys(segment, table.file(), "clock.script", {"from_s", "cast_ms", "warp_ms"});
+    reject_unknown_keys(segment, table.file(), "clock.script", {"from_s", "cast_ms", "warp_ms", "update_ms"});
     const auto number = [&](const char* key) {
       const auto value = segment[key].value<double>();
       if (value && *value >= 0.0 && *value < kInfinity) return *value;
       throw input_error("{}: a segment of 'clock.script' wants {} as a number from 0",
                         place_of(entry, table.file()), key);
     };
-    script.push_back({number("from_s"), number("cast_ms"), number("warp_ms")});
+    script.push_back({number("from_s"), number("cast_ms"), number("warp_ms"),
+                      segment.contains("update_ms") ? number("update_ms") : 0.0});
     if (script.size() > 1 && script.back().from_s <= script[script.size() - 2].from_s) {
       throw input_error("{}: segments of 'clock.script' are written in rising from_s",
                         place_of(entry, table.file()));
@@ -318,6 +310,7 @@ void write_absolute_paths(SessionTable& table, const Session& session) {
   if (!session.trace.file.empty()) put("trace", "file", session.trace.file.string());
   put("scene", "volume", session.scene.volume);
   put("scene", "transfer_function", session.scene.transfer_function);
+  write_absolute_transfer_changes(table, session.scene);
   put("clock", "cost", session.clock.cost);
 }
 

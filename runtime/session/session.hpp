@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <map>
@@ -52,6 +53,21 @@ struct Session {
     std::optional<int> table_entries;
     std::string nan;        // reject | empty
     std::string data_path;  // auto | sampler | packed
+
+    /// From `at_s` of run time on; what is not named stays as it was.
+    struct TransferChange {
+      double at_s = 0.0;
+      std::optional<std::string> transfer_function;  // as above
+      std::optional<double> window, level;
+    };
+    std::vector<TransferChange> transfer_changes;  // in rising order of at_s
+    /// Window and level go from the first value to the second and back in `seconds`, over and over, with a
+    /// new transfer function at every vsync.
+    struct TransferAnimation {
+      std::optional<std::array<double, 2>> window, level;
+      double seconds = 1.0;
+    };
+    std::optional<TransferAnimation> transfer_animation;  // instead of changes
   } scene;
 
   struct Clock {
@@ -62,7 +78,7 @@ struct Session {
     std::optional<double> warp_lead_ms;
     double preempt_granularity_us = 0.0, switch_cost_us = 0.0;
     struct ScriptedSegment {
-      double from_s = 0.0, cast_ms = 0.0, warp_ms = 0.0;
+      double from_s = 0.0, cast_ms = 0.0, warp_ms = 0.0, update_ms = 0.0;
     };
     std::vector<ScriptedSegment> script;
   } clock;

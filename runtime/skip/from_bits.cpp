@@ -38,7 +38,6 @@ WorkCounts BitmaskStructure::update(gpu::CommandList& commands, const TransferTa
   work.bytes = record_union(commands, *kernels_, grid_, planes_, visibility(table).partitions(partitioning_),
                             list_, occupied_);
   work.bytes += record_transform(commands, *kernels_, grid_, occupied_.words, 0, map_, 0, 1);
-  work.skip_steps = grid_.count();
   return work;
 }
 

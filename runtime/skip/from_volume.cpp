@@ -66,7 +66,6 @@ WorkCounts BlockStructure::update(gpu::CommandList& commands, const TransferTabl
                     gpu::push_bytes(params), linear_groups(params.words, 64));
   commands.barrier();
   WorkCounts work;
-  work.skip_steps = grid_.count();
   work.bytes = ranges_.size_bytes() + grid_.plane_bytes();
   return work;
 }
@@ -99,7 +98,6 @@ WorkCounts DistanceMapStructure::update(gpu::CommandList& commands, const Transf
   WorkCounts work;
   work.bytes =
       info_.byte_count() + record_transform(commands, *kernels_, grid_, occupied_.words, 0, map_, 0, 1);
-  work.skip_steps = grid_.count();
   return work;
 }
 

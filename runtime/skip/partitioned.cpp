@@ -158,7 +158,6 @@ WorkCounts PartitionedStructure::update(gpu::CommandList& commands, const Transf
   }
   std::sort(sources.begin(), sources.end());  // piece by piece
   work.bytes += record_minimum(commands, *kernels_, grid_, maps_, sources, list_, merged_, 0);
-  work.skip_steps = grid_.count() * std::max<std::size_t>(sources.size(), 1);
   return work;
 }
 

@@ -77,10 +77,10 @@ class SkipStructure {
   /// What the stage's snippet binds; the same from update to update.
   std::span<const gpu::Binding> bindings() const { return bindings_; }
 
-  /// Records the work of a change to `table`, with a barrier at its end, and returns it: skip_steps are the
-  /// blocks or maps' blocks touched, bytes those read and written. Writes small host-visible buffers at once:
-  /// whatever was submitted before must be done, and the structure serves the old table no longer. Takes no
-  /// new memory (a lazy structure apart, and only until each of its maps is made).
+  /// Records the work of a change to `table`, with a barrier at its end, and returns the bytes it reads and
+  /// writes. Writes small host-visible buffers at once: whatever was submitted before must be done, and the
+  /// structure serves the old table no longer. Takes no new memory (a lazy structure apart, and only until
+  /// each of its maps is made).
   virtual WorkCounts update(gpu::CommandList& commands, const TransferTable& table) = 0;
 
   const BlockGrid& grid() const { return grid_; }

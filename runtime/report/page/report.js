@@ -179,7 +179,7 @@ function showPictures() {
       ? shown.length + ' of the ' + series.pictures_total + ' vsyncs in images/ are on this page.' : '');
 }
 
-const lanes = ['ray casting', 'warp', 'scan-out'];
+const lanes = ['ray casting', 'warp', 'scan-out'];  // updates share the ray casting's lane: one queue
 let timelineChart = null;
 let timelineAt = -1;  // not chosen yet
 
@@ -197,6 +197,10 @@ function timelineBars(timeline, from, to) {
     from: start, to: end, text: String(frame), colour: frameColour(frame), ink: frameInk(frame),
     tip: 'eye frame ' + frame + ': ' + span(start, end),
   }));
+  bars[lanes[0]].push(...spansBetween(timeline.updates, from, to).map(([start, end, frame]) => ({
+    from: start, to: end, colour: css('--update'),
+    tip: 'update of the transfer function before eye frame ' + frame + ': ' + span(start, end),
+  })));
   bars[lanes[1]] = spansBetween(timeline.warps, from, to).map(([start, end, vsync]) => ({
     from: start, to: end, colour: css('--warp'), tip: 'warp for vsync ' + vsync + ': ' + span(start, end),
   }));
@@ -264,6 +268,7 @@ function showTimeline() {
 
 function showTimelineLegend() {
   const entries = [['--cast', 'eye frame: ray casting, then scan-out'], ['--warp', 'warp and distortion'],
+    ...(data.series[chosen].timeline.updates.length ? [['--update', 'transfer function, skip structure']] : []),
     ['--missed', '✕ missed vsync'], ['--vsync', 'vsync']];
   byId('timeline-legend').replaceChildren(...entries.map(([colour, text]) => {
     const item = element('li');

@@ -57,6 +57,7 @@ CountedWork wavy_work() {
 /// The host at its worst: unrelated device times, pauses.
 class RestlessWork final : public FrameWork {
  public:
+  JobOutcome update(const UpdateRequest& request) override { return disturbed(work_.update(request)); }
   JobOutcome cast(const CastRequest& request) override { return disturbed(work_.cast(request)); }
   JobOutcome warp(const WarpRequest& request) override { return disturbed(work_.warp(request)); }
   ShowOutcome show(const ShowRequest& request) override { return work_.show(request); }

@@ -277,6 +277,10 @@ TEST(FrameLoop, EveryJobIsRecordedOnceFinishedOrNot) {
 /// Checks what the pixel side relies on: who reads and writes which slot when, and in which order calls come.
 class ContractWork final : public FrameWork {
  public:
+  JobOutcome update(const UpdateRequest& request) override {
+    EXPECT_EQ(request.frame, last_cast_ + 1) << "an update comes right before the cast it is for";
+    return {};
+  }
   JobOutcome cast(const CastRequest& request) override {
     EXPECT_EQ(request.frame, last_cast_ + 1);
     EXPECT_GE(request.slot, 0);
