@@ -114,7 +114,7 @@ BenchScene::BenchScene(const gpu::Device& device)
     : host_volume(load_volume(*open_volume(kVolume))),
       volume(device, *open_volume(kVolume)),
       table(bench_table()),
-      transfer(device, table, step_units),
+      transfer(device, table, step_units, {.integrals = true, .segments = true}),
       placement{{}, 0.4} {}
 
 std::vector<PictureSizePx> bench_sizes(const CheckOptions& options) {
@@ -157,7 +157,10 @@ CastPipeline bench_pipeline(const CheckOptions& options, const BenchScene& scene
   for (const gpu::KernelDescription* kernel : {&kernels.opening, &kernels.cast, &kernels.closing}) {
     const gpu::CompiledKernel compiled = gpu::compile(*kernel);
     for (const auto& binding : gpu::reflect(compiled.spirv, kernel->main.name).bindings) {
-      if (binding.slot <= CastSlot::eye_depth) continue;
+      if (binding.slot <= CastSlot::eye_depth || binding.slot == CastSlot::transfer_integrals ||
+          binding.slot == CastSlot::transfer_segments) {
+        continue;
+      }
       throw input_error("{}: stage {} binds '{}' to slot {}; accepted: slots 0 to {}, which the host fills",
                         stage.stage.origin.string(), stage.stage.id(), binding.name, binding.slot,
                         CastSlot::eye_depth);

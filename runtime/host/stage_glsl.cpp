@@ -1,6 +1,7 @@
 #include "runtime/host/stage_glsl.hpp"
 
 #include <algorithm>
+#include <cctype>
 #include <limits>
 #include <map>
 
@@ -64,6 +65,26 @@ std::vector<gpu::SpecConstant> parameter_constants(const PipelineStage& stage) {
   return constants;
 }
 
+std::string parameter_macros(const PipelineStage& stage) {
+  const auto macro_name = [&](const std::string& name) {
+    std::string text = "BRACE_" + stage.stage.family + "_" + name;
+    for (char& c : text)
+      c = c == '-' ? '_' : static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
+    return text;
+  };
+  std::string text;
+  for (std::size_t i = 0; i < stage.values.size(); ++i) {
+    const StageParameter& parameter = stage.stage.parameters[i];
+    if (parameter.type == ParameterType::choice) {
+      const std::string& chosen = parameter.choices[static_cast<std::size_t>(stage.values[i])];
+      text += "#define " + macro_name(parameter.name + "_" + chosen) + "\n";
+    } else if (parameter.minimum == 0.0 && parameter.default_value == 0.0 && stage.values[i] > 0.0) {
+      text += "#define " + macro_name(parameter.name + "_ON") + "\n";
+    }
+  }
+  return text;
+}
+
 StageGlsl stage_glsl(std::span<const PipelineStage* const> stages) {
   StageGlsl glsl;
   std::map<std::string, gpu::GlslSource, std::less<>> files;
@@ -75,7 +96,7 @@ StageGlsl stage_glsl(std::span<const PipelineStage* const> stages) {
   std::string parameters;
   for (const PipelineStage* chosen : stages) {
     const StageInfo& stage = chosen->stage;
-    parameters += parameter_declarations(stage);
+    parameters += parameter_declarations(stage) + parameter_macros(*chosen);
     const auto constants = parameter_constants(*chosen);
     glsl.constants.insert(glsl.constants.end(), constants.begin(), constants.end());
     if (stage.glsl_source.empty()) continue;

@@ -126,8 +126,8 @@ void CastPipeline::record_closing(gpu::CommandList& commands, const Resources& r
 void CastPipeline::dispatch(gpu::CommandList& commands, const gpu::ComputePipeline& pipeline,
                             const Resources& resources, const CastArea& area) const {
   if (area.width < 1 || area.height < 1) return;
-  constexpr std::size_t own = 10;
-  std::array<gpu::Binding, 32> bindings;
+  constexpr std::size_t own = 12;
+  std::array<gpu::Binding, 40> bindings;
   BRACE_CHECK(own + resources.more.size() <= bindings.size());
   bindings[0] = gpu::bind(CastSlot::eye, resources.target.params);
   bindings[1] = gpu::bind(CastSlot::ray_entry, resources.rays.entries);
@@ -139,6 +139,8 @@ void CastPipeline::dispatch(gpu::CommandList& commands, const gpu::ComputePipeli
   bindings[7] = gpu::bind(CastSlot::counters, counters_);
   bindings[8] = gpu::bind(CastSlot::eye_image, resources.target.image);
   bindings[9] = gpu::bind(CastSlot::eye_depth, resources.target.depth);
+  bindings[10] = resources.transfer.integrals_binding(CastSlot::transfer_integrals);
+  bindings[11] = resources.transfer.segments_binding(CastSlot::transfer_segments);
   std::copy(resources.more.begin(), resources.more.end(), bindings.begin() + own);
   const BraceArea params{{static_cast<std::uint32_t>(area.x), static_cast<std::uint32_t>(area.y)},
                          {static_cast<std::uint32_t>(area.width), static_cast<std::uint32_t>(area.height)}};

@@ -18,7 +18,7 @@ namespace brace {
 struct CastSlot {
   static constexpr std::uint32_t eye = 0, ray_entry = 1, ray_direction = 2, result_colour = 3,
                                  result_depth = 4, volume = 5, transfer = 6, counters = 7, eye_image = 8,
-                                 eye_depth = 9;
+                                 eye_depth = 9, transfer_integrals = 40, transfer_segments = 41;
 };
 
 /// What cast kernels are put together from.

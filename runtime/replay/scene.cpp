@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "runtime/gpu/shader_compiler.hpp"
+#include "runtime/replay/cast_integrator.hpp"
 #include "runtime/report/progress.hpp"
 
 namespace brace {
@@ -83,7 +84,8 @@ std::unique_ptr<SceneOnDevice> load_scene(const gpu::Device& device, const Sessi
                                      {range, voxel_length_m, layout});
   scene->table = scene->versions.table(0);
   scene->step_units = step_voxels_of(session);
-  scene->transfer = TransferOnDevice(device, scene->table, scene->step_units);
+  scene->transfer = TransferOnDevice(device, scene->table, scene->step_units,
+                                      transfer_extras(session.pipeline.at("cast")));
   build_skip_structure(device, session, options.data_folder, *scene);
   scene->show_transfer(device, 0);
   return scene;

@@ -105,14 +105,35 @@ Result cast(const Volume& volume, const TransferTable& table, const Ray& ray, co
   Result result;
   result.depth = std::numeric_limits<double>::infinity();
   if (ray.length <= 0.0) return result;
-  const auto medium = [&](double t) {
-    const glm::dvec3 voxel = ray.entry + t * ray.direction;
-    const TransferSample here = lookup(table, value_at(volume, voxel));
-    glm::dvec3 colour(here.r, here.g, here.b);
-    if (options.phong && here.kappa > 0.0) colour = shade(volume, table, ray, voxel, colour, *options.phong);
-    return Medium<double>{here.kappa, {colour.r, colour.g, colour.b}};
+  const auto lit = [&](double t, const std::array<double, 3>& own) -> std::array<double, 3> {
+    if (!options.phong) return own;
+    const glm::dvec3 colour =
+        shade(volume, table, ray, ray.entry + t * ray.direction, {own[0], own[1], own[2]}, *options.phong);
+    return {colour.r, colour.g, colour.b};
   };
-  const auto integral = integrate(ray.length, options.step_units, options.termination, medium);
+  const auto value = [&](double t) { return value_at(volume, ray.entry + t * ray.direction); };
+  const auto medium_of = [&](double at) {
+    const TransferSample here = lookup(table, at);
+    return Medium<double>{here.kappa, {here.r, here.g, here.b}};
+  };
+  const auto medium = [&](double t) {
+    Medium<double> here = medium_of(value(t));
+    if (here.kappa > 0.0) here.colour = lit(t, here.colour);
+    return here;
+  };
+  const auto segment = [&](double begin, double end) {
+    constexpr int pieces = 512;
+    const bool linear = options.rule == Rule::linear_source;
+    auto part = linear ? linear_source(medium_of(value(begin)), medium_of(value(end)), end - begin)
+                       : pre_integrated(value(begin), value(end), end - begin, medium_of, pieces);
+    if (part.depth > 0.0) part.colour = lit((begin + end) / 2, part.colour);
+    return part;
+  };
+  const bool one_sample = options.rule == Rule::midpoint || options.rule == Rule::left;
+  const double place = options.rule == Rule::left ? 0.0 : 0.5;
+  const auto integral = one_sample
+                            ? integrate(ray.length, options.step_units, options.termination, medium, place)
+                            : integrate_between(ray.length, options.step_units, options.termination, segment);
   result.colour = {integral.colour[0], integral.colour[1], integral.colour[2], integral.opacity};
   result.depth = integral.first_hit;
   result.work.rays = 1;

@@ -18,10 +18,13 @@ struct Phong {
   double ambient = 0.3, diffuse = 0.7, specular = 0.2, shininess = 32.0;
 };
 
+enum class Rule { midpoint, left, linear_source, pre_integrated };
+
 struct Options {
   double step_units = 0.5;  // of the smallest voxel spacing
   double termination = 0.99;
   std::optional<Phong> phong;
+  Rule rule = Rule::midpoint;
 };
 
 /// entry + t * direction, 0 <= t <= length, in voxel coordinates; t in the smallest voxel spacing.

@@ -1,15 +1,29 @@
-// Emission and absorption by the exponential midpoint rule: T' = -kappa T, C' = kappa c T. A segment of
-// optical depth x takes the transmittance from T to T exp(-x) and adds c (T - T exp(-x)). The optical depth is
+// Emission and absorption: T' = -kappa T, C' = kappa c T. The integrator is composed in: here the exponential
+// rules of one sample per segment (midpoint, left), beside it the rules of both ends and of adaptive steps.
+//
+// Exponential midpoint rule: a segment of optical depth x takes the transmittance from T to T exp(-x) and adds c (T - T exp(-x)). The optical depth is
 // summed and T taken from the sum, so nothing stalls, and the colours added sum up to no more than 1 - T.
 //
 // Samples lie on the lattice t_i = (i + 1/2) step from the ray's entry, recomputed from the integer i: leaping
 // over transparent samples changes no bit of the others. The last segment is cut at the exit; its sample is
-// its own midpoint and its optical depth is scaled by its length.
+// its own midpoint and its optical depth is scaled by its length. The left rule has t_i = i step.
 #extension GL_KHR_shader_subgroup_vote : require
 
 #include "brace/shade.glsl"
 #include "brace/transfer_function.glsl"
 #include "brace/volume.glsl"
+
+#if defined(BRACE_CAST_TOLERANCE_ON)
+#include "dvr_adaptive.glsl"
+#elif defined(BRACE_CAST_INTEGRATOR_LINEAR_SOURCE) || defined(BRACE_CAST_INTEGRATOR_PRE_INTEGRATED)
+#include "dvr_segments.glsl"
+#else
+
+#if defined(BRACE_CAST_INTEGRATOR_LEFT)
+#define DVR_PLACE 0.0  // of the sample in its segment
+#else
+#define DVR_PLACE 0.5
+#endif
 
 struct DvrSample {
   float part;  // of a full step; below 1 for the last one
@@ -21,7 +35,7 @@ struct DvrSample {
 DvrSample dvr_sample(BraceRay ray, float segments, int i) {
   DvrSample at;
   at.part = min(segments - float(i), 1.0);
-  at.t = (float(i) + 0.5 * at.part) * cast_step_voxels;
+  at.t = (float(i) + DVR_PLACE * at.part) * cast_step_voxels;
   at.voxel = ray.entry + at.t * ray.direction;
   at.cell = brace_fetch(at.voxel);
   return at;
@@ -71,3 +85,5 @@ void brace_cast(BraceRay ray, inout BraceResult result) {
   BRACE_COUNT_VISITED(i);
   BRACE_COUNTERS_COMMIT;
 }
+
+#endif

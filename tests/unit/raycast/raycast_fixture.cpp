@@ -9,28 +9,43 @@
 #include <glm/gtc/quaternion.hpp>
 #include <glm/mat3x3.hpp>
 
+#include "runtime/host/stage_glsl.hpp"
+
 namespace brace {
 
 namespace {
 
 const std::filesystem::path kSource = BRACE_SOURCE_DIR;
 
-std::string parameter_text() {
-  return "layout(constant_id = 0) const float cast_step_voxels = 0.5;\n"
-         "layout(constant_id = 1) const float cast_termination_opacity = 0.99;\n"
-         "layout(constant_id = 2) const float cast_ambient = 0.3;\n"
-         "layout(constant_id = 3) const float cast_diffuse = 0.7;\n"
-         "layout(constant_id = 4) const float cast_specular = 0.2;\n"
-         "layout(constant_id = 5) const float cast_shininess = 32.0;\n";
+PipelineStage stage_of(const char* id) {
+  PipelineStage stage{read_stage_manifest(kSource / "stages" / id / "stage.toml"), {}};
+  for (const StageParameter& parameter : stage.stage.parameters)
+    stage.values.push_back(parameter.default_value);
+  return stage;
 }
 
-std::optional<gpu::GlslSource> stage_source(std::string_view name) {
-  if (name == "stage/parameters.glsl") return gpu::GlslSource{std::string(name), parameter_text()};
-  if (name == "stage/rays.glsl") return gpu::read_glsl(kSource / "stages/rays/full_rate/full_rate.glsl");
-  if (name == "stage/cast.glsl") return gpu::read_glsl(kSource / "stages/cast/dvr/dvr.glsl");
-  if (name == "stage/skip.glsl") return gpu::read_glsl(kSource / "stages/skip/none/none.glsl");
-  if (name == "stage/stereo.glsl") return gpu::GlslSource{std::string(name), ""};
-  return std::nullopt;
+PipelineStage cast_stage(const CastSettings& settings) {
+  PipelineStage cast = stage_of("cast/dvr");
+  const auto set = [&](const std::string& name, double value) {
+    for (std::size_t i = 0; i < cast.values.size(); ++i)
+      if (cast.stage.parameters[i].name == name) cast.values[i] = value;
+  };
+  const auto choose = [&](const std::string& name, const std::string& choice) {
+    for (const StageParameter& parameter : cast.stage.parameters) {
+      if (parameter.name != name) continue;
+      const auto found = std::find(parameter.choices.begin(), parameter.choices.end(), choice);
+      ASSERT_NE(found, parameter.choices.end()) << choice;
+      set(name, static_cast<double>(found - parameter.choices.begin()));
+    }
+  };
+  set("step_voxels", settings.step_voxels);
+  set("termination_opacity", settings.termination);
+  set("tolerance", settings.tolerance);
+  set("step_voxels_min", settings.step_voxels_min);
+  set("step_voxels_max", settings.step_voxels_max);
+  choose("integrator", settings.integrator);
+  choose("preintegration", settings.preintegration);
+  return cast;
 }
 
 template <typename T>
@@ -96,6 +111,9 @@ EyeView look_at_centre(const glm::dvec3& position, int width_px, int height_px, 
 reference::Options reference_options(const CastSettings& settings) {
   reference::Options options{settings.step_voxels, settings.termination, std::nullopt};
   if (settings.phong) options.phong = reference::Phong{};
+  if (settings.integrator == "left") options.rule = reference::Rule::left;
+  if (settings.integrator == "linear-source") options.rule = reference::Rule::linear_source;
+  if (settings.integrator == "pre-integrated") options.rule = reference::Rule::pre_integrated;
   return options;
 }
 
@@ -120,9 +138,12 @@ CastParts RaycastTest::parts(const CastSettings& settings) {
   CastParts parts;
   parts.glsl_folder = kSource / "plugins/abi/glsl";
   parts.kernels_folder = kSource / "runtime/raycast/kernels";
-  parts.stages = stage_source;
-  parts.constants = {gpu::spec_constant(0, static_cast<float>(settings.step_voxels)),
-                     gpu::spec_constant(1, static_cast<float>(settings.termination))};
+  const PipelineStage rays = stage_of("rays/full_rate"), cast = cast_stage(settings),
+                      skip = stage_of("skip/none");
+  const PipelineStage* const stages[] = {&rays, &cast, &skip};
+  StageGlsl glsl = stage_glsl(stages);
+  parts.stages = std::move(glsl.resolve);
+  parts.constants = std::move(glsl.constants);
   parts.phong = settings.phong;
   parts.counters = settings.counters;
   return parts;
@@ -158,7 +179,8 @@ Shot RaycastTest::shoot(const Volume& volume, const TransferTable& table, const 
 Shot RaycastTest::shoot(const VolumeOnDevice& volume, const TransferTable& table, const EyeView& eye,
                         const VolumePlacement& placement, const CastSettings& settings) {
   const CastPipeline& cast = pipeline(volume, settings);
-  const TransferOnDevice transfer(device(), table, settings.step_voxels);
+  const TransferOnDevice transfer(device(), table, settings.step_voxels,
+                                  {.integrals = true, .segments = true});
   const RayBuffers rays(device(), eye.width_px, eye.height_px);
   const EyeTarget target(device(), eye.width_px, eye.height_px);
   CastPipeline::set_eye(device(), target, eye, placement, volume, transfer);
@@ -181,7 +203,8 @@ std::vector<glm::vec4> RaycastTest::cast_rays(const VolumeOnDevice& volume, cons
                                               const CastSettings& settings) {
   const auto count = static_cast<int>(entries.size());
   const CastPipeline& cast = pipeline(volume, settings);
-  const TransferOnDevice transfer(device(), table, settings.step_voxels);
+  const TransferOnDevice transfer(device(), table, settings.step_voxels,
+                                  {.integrals = true, .segments = true});
   const RayBuffers rays(device(), count, 1);
   const EyeTarget target(device(), count, 1);
   CastPipeline::set_eye(device(), target, look_at_centre({0, 0, 2}, count, 1), {}, volume, transfer);

@@ -59,6 +59,10 @@ struct CastSettings {
   double termination = 0.99;
   bool phong = false;
   bool counters = true;
+  std::string integrator = "midpoint-exponential";
+  std::string preintegration = "table";
+  double tolerance = 0.0;
+  double step_voxels_min = 0.0625, step_voxels_max = 1.0;
   auto operator<=>(const CastSettings&) const = default;
 };
 

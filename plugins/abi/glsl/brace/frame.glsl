@@ -14,6 +14,8 @@
 #define BRACE_SLOT_COUNTERS 7        // storage: see counters.glsl
 #define BRACE_SLOT_EYE_IMAGE 8       // storage: uint per pixel, packed RGBA8
 #define BRACE_SLOT_EYE_DEPTH 9       // storage: float per pixel
+#define BRACE_SLOT_TRANSFER_INTEGRALS 40  // texel buffer: see transfer_integral.glsl
+#define BRACE_SLOT_TRANSFER_SEGMENTS 41   // texel buffer: the two-dimensional table of the same
 // 10 … 15 belong to the skip stage, 16 … 23 to the stereo stage, 24 … 31 to the rays stage.
 
 layout(std140, set = 0, binding = BRACE_SLOT_EYE) uniform BraceEyeBlock { BraceEyeParams brace_eye; };

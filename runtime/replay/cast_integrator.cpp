@@ -1,0 +1,50 @@
+#include "runtime/replay/cast_integrator.hpp"
+
+#include <algorithm>
+
+#include "base/error.hpp"
+
+namespace brace {
+
+namespace {
+
+const StageParameter* find(const PipelineStage& cast, std::string_view name) {
+  const auto& parameters = cast.stage.parameters;
+  const auto found = std::find_if(parameters.begin(), parameters.end(),
+                                  [&](const StageParameter& parameter) { return parameter.name == name; });
+  return found == parameters.end() ? nullptr : &*found;
+}
+
+bool is_chosen(const PipelineStage& cast, std::string_view parameter, std::string_view choice) {
+  const StageParameter* found = find(cast, parameter);
+  if (found == nullptr || found->type != ParameterType::choice) return false;
+  return found->choices[static_cast<std::size_t>(cast.value(parameter))] == choice;
+}
+
+bool is_adaptive(const PipelineStage& cast) {
+  return find(cast, "tolerance") != nullptr && cast.value("tolerance") > 0.0;
+}
+
+}  // namespace
+
+TransferExtras transfer_extras(const PipelineStage& cast) {
+  const bool adaptive = is_adaptive(cast);
+  if (adaptive && is_chosen(cast, "integrator", "left")) {
+    throw input_error(
+        "stage {}: integrator = \"left\" has no error estimate, so tolerance = {} cannot be kept; accepted "
+        "with a "
+        "tolerance: linear-source, pre-integrated, or the default",
+        cast.stage.id(), cast.value("tolerance"));
+  }
+  if (adaptive && find(cast, "step_voxels_min") != nullptr &&
+      cast.value("step_voxels_min") > cast.value("step_voxels_max")) {
+    throw input_error("stage {}: step_voxels_min = {} exceeds step_voxels_max = {}", cast.stage.id(),
+                      cast.value("step_voxels_min"), cast.value("step_voxels_max"));
+  }
+  TransferExtras extras;
+  extras.integrals = is_chosen(cast, "integrator", "pre-integrated");
+  extras.segments = extras.integrals && !adaptive && is_chosen(cast, "preintegration", "table");
+  return extras;
+}
+
+}  // namespace brace

@@ -1,0 +1,13 @@
+#pragma once
+
+#include "runtime/host/stage_registry.hpp"
+#include "runtime/raycast/transfer_on_device.hpp"
+
+namespace brace {
+
+/// What a cast stage's parameters ask to be kept of the transfer function: a choice `integrator` with
+/// "pre-integrated" and, with fixed steps, a choice `preintegration` with "table". Throws input_error for a
+/// combination of parameters that means nothing.
+TransferExtras transfer_extras(const PipelineStage& cast);
+
+}  // namespace brace
