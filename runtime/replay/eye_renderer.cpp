@@ -13,9 +13,9 @@ bool is_native(const Session& session, const char* family) {
 
 CastKernels session_kernels(const Session& session, const SceneOnDevice& scene,
                             const std::filesystem::path& data_folder, bool counters) {
-  const std::array<const PipelineStage*, 4> stages = {
-      &session.pipeline.at("rays"), &session.pipeline.at("cast"), &session.pipeline.at("skip"),
-      &session.pipeline.at("stereo")};
+  const std::array<const PipelineStage*, 4> stages = {&session.pipeline.at("rays"),
+                                                      &session.pipeline.at("cast"), &scene.skip_stage,
+                                                      &session.pipeline.at("stereo")};
   for (const char* family : {"skip", "stereo"}) {
     if (!is_native(session, family)) continue;
     const StageInfo& stage = session.pipeline.at(family).stage;

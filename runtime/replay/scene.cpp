@@ -4,6 +4,7 @@
 
 #include "runtime/gpu/shader_compiler.hpp"
 #include "runtime/replay/cast_integrator.hpp"
+#include "runtime/replay/skip_choice.hpp"
 #include "runtime/report/progress.hpp"
 
 namespace brace {
@@ -12,15 +13,16 @@ namespace {
 
 void build_skip_structure(const gpu::Device& device, const Session& session,
                           const std::filesystem::path& data_folder, SceneOnDevice& scene) {
+  scene.skip_kernels = std::make_unique<SkipKernels>(device, data_folder / "kernels" / "skip");
+  choose_skip_stage(session, scene);
   // Structures belong to the stages that come with Brace; one of another origin works with what is bound
   // anyway.
   const std::string ours = (data_folder / "stages").string();
-  if (session.pipeline.at("skip").stage.origin.string().rfind(ours, 0) != 0) return;
-  const SkipOptions options = skip_options(session.pipeline.at("skip"), gpu::default_cache_folder() / "skip");
+  if (scene.skip_stage.stage.origin.string().rfind(ours, 0) != 0) return;
+  const SkipOptions options = skip_options(scene.skip_stage, gpu::default_cache_folder() / "skip");
   if (options.kind == SkipKind::none) return;
   scene.skip_memory = skip_memory(scene.volume.info(), options).formula;
-  scene.skip_kernels = std::make_unique<SkipKernels>(device, data_folder / "kernels" / "skip");
-  ProgressMeter meter("building " + session.pipeline.at("skip").stage.id(), 1000, "‰");
+  ProgressMeter meter("building " + scene.skip_stage.stage.id(), 1000, "‰");
   const std::vector<TransferTable> tables = scene.versions.typical_tables();
   scene.skip = make_skip_structure(
       *scene.skip_kernels, {scene.volume, scene.statistics, tables}, options,

@@ -25,6 +25,8 @@ struct SceneOnDevice {
   TransferOnDevice transfer;  // with the cast stage's step baked in
   VoxelStatistics statistics;
   std::unique_ptr<SkipKernels> skip_kernels;
+  PipelineStage skip_stage;                         // the session's, or what pipeline.skip = "auto" became
+  std::string skip_reason;                          // why it became that; "" where the session names it
   std::unique_ptr<SkipStructure> skip;              // null for skip/none
   std::optional<gpu::CommandList> update_commands;  // made at the first update
   std::string skip_memory;  // what the structure takes and why, for the report; "" without one

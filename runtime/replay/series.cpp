@@ -162,6 +162,15 @@ class ProgressSink final : public RecordSink {
   ProgressMeter meter_;
 };
 
+/// pipeline.skip = "auto" in the report: what it became, and why.
+void apply_skip_choice(const SceneOnDevice& scene, Series& series) {
+  if (scene.skip_reason.empty()) return;
+  for (StageChoice& choice : series.pipeline)
+    if (choice.family == "skip") choice.stage = scene.skip_stage.stage.id();
+  series.facts.push_back({"skip/auto", scene.skip_reason});
+  if (!scene.skip) series.left_out.push_back({"skip", scene.skip_reason});
+}
+
 std::string probe_fact(std::int64_t vsyncs) {
   return fmt::format("interpolated between {} eye frames rendered along the trace",
                      std::min<std::int64_t>(kProbes, vsyncs));
@@ -201,6 +210,7 @@ Series replay_series(const LabelledSession& labelled, const ReplayOptions& optio
   const PixelWork* pixels = nullptr;
   if (device != nullptr && needs_device(session)) {
     scene = load_scene(*device, session, options, headset.profile.refresh);
+    apply_skip_choice(*scene, series);
     if (scene->skip) series.facts.push_back({"skip memory", scene->skip_memory});
     series.facts.push_back({"volume path", scene->volume.path_reason()});
     for (const std::string& note : scene->volume.info().notes)

@@ -303,6 +303,16 @@ std::optional<Session::Compare> read_compare(const SessionTable& table) {
   return compare;
 }
 
+/// What pipeline.skip = "auto" chooses from.
+std::vector<PipelineStage> read_skip_candidates(const SessionTable& table, const StageRegistry& stages) {
+  std::vector<PipelineStage> candidates;
+  for (const StageInfo& stage : stages.stages()) {
+    if (stage.family == "skip" && stage.name != "auto" && stage.native == nullptr)
+      candidates.push_back({stage, stage_values(table, stage)});
+  }
+  return candidates;
+}
+
 void write_absolute_paths(SessionTable& table, const Session& session) {
   const auto put = [&](const char* section, const char* key, const std::string& value) {
     table.table()[section].as_table()->insert_or_assign(key, value);
@@ -361,6 +371,8 @@ Session parse_session(const std::string& text, const std::string& file_name,
   session.scene = read_scene(table, folder);
   session.clock = read_clock(table, folder);
   session.pipeline = read_pipeline(table, stages);
+  if (session.pipeline.at("skip").stage.name == "auto")
+    session.skip_candidates = read_skip_candidates(table, stages);
   session.output.images = read_selection(table, "output.images");
   session.output.error = read_selection(table, "output.error");
   if (table.node("run.frames") != nullptr) {

@@ -85,6 +85,8 @@ struct Session {
 
   /// family -> stage with its parameters; every family of the pipeline is there.
   std::map<std::string, PipelineStage> pipeline;
+  /// With pipeline.skip = "auto": the GLSL skip stages that it may become, with this session's parameters.
+  std::vector<PipelineStage> skip_candidates;
 
   struct Output {
     struct Selection {  // of vsyncs

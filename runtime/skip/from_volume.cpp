@@ -9,32 +9,40 @@ namespace {
 
 constexpr std::uint64_t slab_bytes_max = std::uint64_t{32} << 20;
 
-gpu::Buffer visible_buffer(const gpu::Device& device, VoxelType type) {
-  return gpu::Buffer(device, "visible keys below each key", (std::uint64_t{key_count(type)} + 1) * 4,
-                     gpu::Memory::upload);
-}
-
-void write_visible(const gpu::Device& device, const gpu::Buffer& buffer, const Visibility& visibility,
-                   VoxelType type) {
-  const std::vector<std::uint32_t> below = visibility.visible_below(type);
-  gpu::upload_values(device, buffer, std::span<const std::uint32_t>(below));
-}
-
 struct RangeBitsParams {
   std::uint32_t words;
 };
 
 }  // namespace
 
+VisibleKeys::VisibleKeys(const gpu::Device& device, VoxelType type)
+    : type_(type),
+      buffer_(device, "visible keys below each key", (std::uint64_t{key_count(type)} + 1) * 4,
+              gpu::Memory::upload),
+      texels_(device, buffer_, gpu::Format::r32_uint) {}
+
+void VisibleKeys::set(const gpu::Device& device, const Visibility& visibility) {
+  const std::vector<std::uint32_t> below = visibility.visible_below(type_);
+  gpu::upload_values(device, buffer_, std::span<const std::uint32_t>(below));
+}
+
+void record_occupancy(gpu::CommandList& commands, SkipKernels& kernels, const BlockGrid& grid,
+                      const VolumeReader& reader, const VisibleKeys& visible, const BitPlane& target) {
+  const SkipBuildSlab slab{0, grid.blocks[2]};
+  commands.dispatch(kernels.get("occupancy", reader.defines()),
+                    {reader.params(), reader.volume(), gpu::bind(4, visible.texels()),
+                     bind_range(kernels.device(), 2, target.buffer, 0, grid.plane_bytes(), "a bit plane")},
+                    gpu::push_bytes(slab), linear_groups(std::uint64_t{grid.plane_words()} * 32, 32));
+  commands.barrier();
+}
+
 BlockStructure::BlockStructure(SkipKernels& kernels, const SkipScene& scene, const SkipOptions& options,
                                const Progress& progress)
     : SkipStructure(kernels, scene, options),
-      type_(scene.volume.info().type),
       ranges_(kernels.device(), "value ranges of blocks", std::uint64_t{grid_.plane_words()} * 128,
               gpu::Memory::device),
-      visible_below_(visible_buffer(kernels.device(), type_)),
       range_texels_(kernels.device(), ranges_, gpu::Format::r32_uint),
-      visible_texels_(kernels.device(), visible_below_, gpu::Format::r32_uint),
+      visible_(kernels.device(), scene.volume.info().type),
       occupied_(kernels.device(), grid_, "occupied blocks") {
   const VolumeReader reader(device(), scene.volume, grid_, options.occupancy);
   const auto& kernel = kernels.get("block_range", reader.defines());
@@ -58,10 +66,10 @@ BlockStructure::BlockStructure(SkipKernels& kernels, const SkipScene& scene, con
 }
 
 WorkCounts BlockStructure::update(gpu::CommandList& commands, const TransferTable& table) {
-  write_visible(device(), visible_below_, visibility(table), type_);
+  visible_.set(device(), visibility(table));
   const RangeBitsParams params{grid_.plane_words()};
   commands.dispatch(kernels_->get("range_bits"),
-                    {gpu::bind(1, range_texels_), gpu::bind(4, visible_texels_),
+                    {gpu::bind(1, range_texels_), gpu::bind(4, visible_.texels()),
                      bind_range(device(), 2, occupied_.buffer, 0, grid_.plane_bytes(), "a bit plane")},
                     gpu::push_bytes(params), linear_groups(params.words, 64));
   commands.barrier();
@@ -79,8 +87,7 @@ DistanceMapStructure::DistanceMapStructure(SkipKernels& kernels, const SkipScene
     : SkipStructure(kernels, scene, options),
       info_(scene.volume.info()),
       reader_(kernels.device(), scene.volume, grid_, options.occupancy),
-      visible_below_(visible_buffer(kernels.device(), info_.type)),
-      visible_texels_(kernels.device(), visible_below_, gpu::Format::r32_uint),
+      visible_(kernels.device(), info_.type),
       occupied_(kernels.device(), grid_, "occupied blocks"),
       map_(kernels.device(), grid_, "distance map") {
   map_.append(1);
@@ -88,13 +95,8 @@ DistanceMapStructure::DistanceMapStructure(SkipKernels& kernels, const SkipScene
 }
 
 WorkCounts DistanceMapStructure::update(gpu::CommandList& commands, const TransferTable& table) {
-  write_visible(device(), visible_below_, visibility(table), info_.type);
-  const SkipBuildSlab slab{0, grid_.blocks[2]};
-  commands.dispatch(kernels_->get("occupancy", reader_.defines()),
-                    {reader_.params(), reader_.volume(), gpu::bind(4, visible_texels_),
-                     bind_range(device(), 2, occupied_.buffer, 0, grid_.plane_bytes(), "a bit plane")},
-                    gpu::push_bytes(slab), linear_groups(std::uint64_t{grid_.plane_words()} * 32, 32));
-  commands.barrier();
+  visible_.set(device(), visibility(table));
+  record_occupancy(commands, *kernels_, grid_, reader_, visible_, occupied_);
   WorkCounts work;
   work.bytes =
       info_.byte_count() + record_transform(commands, *kernels_, grid_, occupied_.words, 0, map_, 0, 1);

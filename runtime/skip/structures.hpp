@@ -7,6 +7,23 @@ namespace brace {
 
 // The structures behind make_skip_structure.
 
+/// Which values a transfer function shows, for kernels that ask by key. Sets host-visible memory at once.
+class VisibleKeys {
+ public:
+  VisibleKeys(const gpu::Device& device, VoxelType type);
+  void set(const gpu::Device& device, const Visibility& visibility);
+  const gpu::TexelBuffer& texels() const { return texels_; }
+
+ private:
+  VoxelType type_;
+  gpu::Buffer buffer_;
+  gpu::TexelBuffer texels_;
+};
+
+/// Records a bit per block from the volume itself.
+void record_occupancy(gpu::CommandList& commands, SkipKernels& kernels, const BlockGrid& grid,
+                      const VolumeReader& reader, const VisibleKeys& visible, const BitPlane& target);
+
 /// Smallest and largest value per block; at a change a bit per block.
 class BlockStructure final : public SkipStructure {
  public:
@@ -16,9 +33,9 @@ class BlockStructure final : public SkipStructure {
   std::uint64_t device_bytes() const override;
 
  private:
-  VoxelType type_;
-  gpu::Buffer ranges_, visible_below_;
-  gpu::TexelBuffer range_texels_, visible_texels_;
+  gpu::Buffer ranges_;
+  gpu::TexelBuffer range_texels_;
+  VisibleKeys visible_;
   BitPlane occupied_;
 };
 
@@ -32,8 +49,7 @@ class DistanceMapStructure final : public SkipStructure {
  private:
   VolumeInfo info_;
   VolumeReader reader_;
-  gpu::Buffer visible_below_;
-  gpu::TexelBuffer visible_texels_;
+  VisibleKeys visible_;
   BitPlane occupied_;
   DistanceMaps map_;
 };

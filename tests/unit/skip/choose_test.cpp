@@ -6,42 +6,37 @@
 namespace brace {
 namespace {
 
-/// 512 x 512 x 460 voxels of which a share is 200, the rest 0; only counted, never made.
-struct Scene {
-  explicit Scene(double full) {
-    info.dims = {512, 512, 460};
-    statistics.range = {0, 255};
-    statistics.voxels = 1000;
-    statistics.counts.assign(256, 0);
-    statistics.counts[200] = static_cast<std::uint64_t>(1000 * full);
-    statistics.counts[0] = 1000 - statistics.counts[200];
-  }
+VolumeInfo head() {
   VolumeInfo info;
-  VoxelStatistics statistics;
-};
+  info.dims = {512, 512, 460};
+  return info;
+}
 
 TEST(ChooseSkip, Skip_NoStructureForAFullScene) {
-  const Scene scene(0.95);
+  const VolumeInfo info = head();
   const TransferTable table = paper_table(1, {0, 255});
-  const SkipChoice choice = choose_skip({scene.info, scene.statistics, table});
-  EXPECT_EQ(choice.options.kind, SkipKind::none);
-  EXPECT_NE(choice.reason.find("95.0 %"), std::string::npos) << choice.reason;
+  for (const bool changes : {false, true}) {
+    const SkipChoice choice = choose_skip({info, 0.95, table, changes});
+    EXPECT_EQ(choice.options.kind, SkipKind::none);
+    EXPECT_NE(choice.reason.find("95.0 %"), std::string::npos) << choice.reason;
+  }
 }
 
 TEST(ChooseSkip, Skip_DistancesForASparseSceneThatStays) {
-  const Scene scene(0.01);
+  const VolumeInfo info = head();
   const TransferTable table = paper_table(1, {0, 255});
-  EXPECT_EQ(choose_skip({scene.info, scene.statistics, table}).options.kind, SkipKind::distance_map);
+  EXPECT_EQ(choose_skip({info, 0.01, table}).options.kind, SkipKind::distance_map);
+  EXPECT_EQ(choose_skip({info, 0.01, table, false, 1000}).options.kind, SkipKind::none);
 }
 
 TEST(ChooseSkip, Skip_ChangingTransferFunctionsTakeWhatTheMemoryAllows) {
-  const Scene scene(0.2);
+  const VolumeInfo info = head();
   const TransferTable table = paper_table(3, {0, 255});
-  SkipQuestion question{scene.info, scene.statistics, table, true};
+  SkipQuestion question{info, 0.2, table, true};
   const SkipChoice most = choose_skip(question);
   EXPECT_EQ(most.options.kind, SkipKind::partitioned);
   EXPECT_EQ(most.options.range_minima, RangeMinima::segment_tree);
-  question.memory_bytes_max = skip_memory(scene.info, most.options).kept_bytes - 1;
+  question.memory_bytes_max = skip_memory(info, most.options).kept_bytes - 1;
   const SkipChoice less = choose_skip(question);
   EXPECT_EQ(less.options.range_minima, RangeMinima::none);
   question.memory_bytes_max = 10'000'000;
@@ -50,6 +45,27 @@ TEST(ChooseSkip, Skip_ChangingTransferFunctionsTakeWhatTheMemoryAllows) {
   EXPECT_EQ(choose_skip(question).options.kind, SkipKind::distance_map);
   question.memory_bytes_max = 1000;
   EXPECT_EQ(choose_skip(question).options.kind, SkipKind::none);
+}
+
+class ChooseSkipOnDevice : public SkipTest {};
+
+TEST_F(ChooseSkipOnDevice, Skip_OccupiedBlocksAreThoseOfTheOracle) {
+  Random random(31);
+  for (int repeat = 0; repeat < 12; ++repeat) {
+    const VoxelType type = repeat % 2 == 0 ? VoxelType::uint8 : VoxelType::int16;
+    const Volume volume = random_volume(random, type, 40);
+    MemorySource source(volume);
+    const VoxelStatistics statistics = scan(volume);
+    const VolumeOnDevice on_device(device(), source, VolumePath::packed);
+    const TransferTable table = random_table(random, statistics);
+    const BlockGrid grid(volume.info, 4);
+    const auto occupied = oracle::occupied(volume, grid, table, Occupancy::cell);
+    double count = 0;
+    for (const int block : occupied)
+      count += block;
+    EXPECT_DOUBLE_EQ(occupied_blocks(kernels(), {on_device, statistics}, table),
+                     count / static_cast<double>(grid.count()));
+  }
 }
 
 }  // namespace
