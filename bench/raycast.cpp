@@ -5,7 +5,7 @@
 #include <chrono>
 #include <cstdlib>
 #include <ctime>
-#include <optional>
+#include <memory>
 #include <thread>
 
 #include "base/error.hpp"
@@ -13,7 +13,8 @@
 #include "bench/raycast_scene.hpp"
 #include "runtime/host/stage_glsl.hpp"
 #include "runtime/host/stage_registry.hpp"
-#include "runtime/raycast/cast_pipeline.hpp"
+#include "runtime/raycast/native_steps.hpp"
+#include "runtime/skip/skip_structure.hpp"
 
 namespace brace {
 
@@ -39,24 +40,24 @@ double minimum(const std::vector<double>& values) {
   return values.empty() ? 0.0 : *std::min_element(values.begin(), values.end());
 }
 
-/// The built-in stages with their defaults but for what the scene asks.
-std::vector<PipelineStage> scene_stages(const std::filesystem::path& data_folder, const RaycastScene& scene) {
-  std::vector<PipelineStage> stages;
-  for (const char* id : {"rays/full_rate", "cast/dvr", "skip/none"}) {
-    PipelineStage stage{read_stage_manifest(data_folder / "stages" / id / "stage.toml"), {}};
-    for (const StageParameter& parameter : stage.stage.parameters) {
-      double value = parameter.default_value;
-      if (parameter.name == "step_voxels") value = scene.step_voxels;
-      if (parameter.name == "termination_opacity") value = scene.termination_opacity;
-      stage.values.push_back(value);
-    }
-    stages.push_back(std::move(stage));
+/// A stage with its defaults but for what the scene asks.
+PipelineStage with_scene_values(StageInfo info, const RaycastScene& scene) {
+  PipelineStage stage{std::move(info), {}};
+  for (const StageParameter& parameter : stage.stage.parameters) {
+    double value = parameter.default_value;
+    if (parameter.name == "step_voxels") value = scene.step_voxels;
+    if (parameter.name == "termination_opacity") value = scene.termination_opacity;
+    stage.values.push_back(value);
   }
-  return stages;
+  return stage;
 }
 
-CastParts scene_parts(const std::filesystem::path& data_folder, const RaycastScene& scene) {
-  const std::vector<PipelineStage> stages = scene_stages(data_folder, scene);
+CastParts scene_parts(const std::filesystem::path& data_folder, const RaycastScene& scene, SkipKind skip) {
+  std::vector<PipelineStage> stages;
+  for (const std::string& id :
+       {std::string("rays/full_rate"), std::string("cast/dvr"), std::string("skip/") + to_string(skip)})
+    stages.push_back(
+        with_scene_values(read_stage_manifest(data_folder / "stages" / id / "stage.toml"), scene));
   std::vector<const PipelineStage*> pointers;
   for (const PipelineStage& stage : stages)
     pointers.push_back(&stage);
@@ -75,31 +76,45 @@ TransferTable scene_table(const TransferFunction& function) {
   return bake(resolve(function, range), table_layout(VoxelType::uint8, range));
 }
 
-/// One of our cases, ready to run again.
-struct Running {
-  RaycastBenchCase result;
-  std::vector<double> wall_ms, cpu_ms;
-  TransferOnDevice transfer;
-  EyeTarget target;
-  gpu::CommandList commands;
+/// The scene's volume on one data path.
+struct SceneVolume {
+  SceneVolume(const gpu::Device& device, VolumePath path) : scan(VoxelType::uint8) {
+    const auto source = open_scene_volume();
+    volume = VolumeOnDevice(device, *source, path, &scan);
+    statistics = scan.result();
+  }
+  VoxelScan scan;
+  VolumeOnDevice volume;
+  VoxelStatistics statistics;
 };
 
-/// The scene's volume on one data path and a case per transfer function.
-class PathBench {
- public:
-  PathBench(const gpu::Device& device, const RaycastBenchOptions& options, const RaycastScene& scene,
-            VolumePath path, VoxelScan* scan)
-      : device_(device) {
-    const auto source = open_scene_volume();
-    volume_ = VolumeOnDevice(device, *source, path, scan);
-    pipeline_ = CastPipeline(device, compose_cast_kernels(scene_parts(options.data_folder, scene), volume_));
-    rays_ = RayBuffers(device, options.size_px, options.size_px);
-    cases_.resize(scene.transfers.size());
-    for (std::size_t i = 0; i < cases_.size(); ++i)
-      prepare(cases_[i], scene, scene.transfers[i]);
-  }
+/// Who casts: cast/dvr where `native` is null.
+struct Renderer {
+  const SceneVolume& scene_volume;
+  SkipKind skip = SkipKind::none;
+  const StageInfo* native = nullptr;
+};
 
-  const VolumeOnDevice& volume() const { return volume_; }
+/// One renderer with a case per transfer function.
+class RendererBench {
+ public:
+  RendererBench(const gpu::Device& device, const RaycastBenchOptions& options, const RaycastScene& scene,
+                const Renderer& renderer)
+      : device_(device),
+        scene_(scene),
+        volume_(renderer.scene_volume.volume),
+        rays_(device, options.size_px, options.size_px),
+        commands_(device, "bench raycast"),
+        skip_kernels_(device, options.data_folder / "kernels" / "skip") {
+    CastParts parts = scene_parts(options.data_folder, scene, renderer.skip);
+    parts.native_cast = renderer.native != nullptr;
+    pipeline_ = CastPipeline(device, compose_cast_kernels(parts, volume_));
+    for (const RaycastScene::Transfer& transfer : scene.transfers)
+      cases_.push_back(prepare(renderer, transfer));
+    if (renderer.native != nullptr) activate(with_scene_values(*renderer.native, scene));
+    for (Running& one : cases_)
+      count(one);
+  }
 
   void run(int repetitions) {
     for (int i = 0; i < repetitions; ++i) {
@@ -120,34 +135,97 @@ class PathBench {
   }
 
  private:
-  void prepare(Running& one, const RaycastScene& scene, const RaycastScene::Transfer& transfer) {
-    one.result.renderer = fmt::format("cast/dvr, {}", to_string(volume_.path()));
+  /// One case, ready to run again.
+  struct Running {
+    RaycastBenchCase result;
+    std::vector<double> wall_ms, cpu_ms;
+    TransferTable table;
+    TransferOnDevice transfer;
+    EyeTarget target;
+    std::unique_ptr<SkipStructure> skip;
+  };
+
+  Running prepare(const Renderer& renderer, const RaycastScene::Transfer& transfer) {
+    Running one;
+    one.result.renderer = renderer.native != nullptr ? renderer.native->id()
+                                                     : fmt::format("cast/dvr, {}", to_string(volume_.path()));
+    if (renderer.skip != SkipKind::none)
+      one.result.renderer += fmt::format(", skip/{}", to_string(renderer.skip));
     one.result.transfer = transfer.name;
-    one.transfer = TransferOnDevice(device_, scene_table(transfer.function), scene.step_voxels);
-    one.target = EyeTarget(device_, scene.eye.width_px, scene.eye.height_px);
-    CastPipeline::set_eye(device_, one.target, scene.eye, scene.placement, volume_, one.transfer);
-    one.commands = gpu::CommandList(device_, "bench raycast");
-    pipeline_.record(one.commands, {volume_, one.transfer, rays_, one.target});
-    pipeline_.reset_counters(device_);
-    gpu::submit_and_wait(one.commands);  // warms up, and counts
-    one.result.samples = pipeline_.counted(device_).samples;
+    one.result.skips = renderer.skip != SkipKind::none;
+    one.table = scene_table(transfer.function);
+    one.transfer = TransferOnDevice(device_, one.table, scene_.step_voxels);
+    one.target = EyeTarget(device_, scene_.eye.width_px, scene_.eye.height_px);
+    CastPipeline::set_eye(device_, one.target, scene_.eye, scene_.placement, volume_, one.transfer);
+    if (renderer.skip == SkipKind::none) return one;
+    SkipOptions options;
+    options.kind = renderer.skip;
+    const SkipScene seen{volume_, renderer.scene_volume.statistics, std::span(&one.table, 1)};
+    one.skip = make_skip_structure(skip_kernels_, seen, options);
+    commands_.reset();
+    one.skip->update(commands_, one.table);
+    gpu::submit_and_wait(commands_);
+    return one;
   }
 
-  static void measure(Running& one) {
+  void activate(const PipelineStage& stage) {
+    ActivationInput input = activation_input(device_, volume_, scene_.placement, cases_.front().table,
+                                             scene_.step_voxels, scene_.eye.width_px, scene_.eye.height_px);
+    input.open_volume = [] { return open_scene_volume(); };
+    activation_ = std::make_unique<StageActivation>(input);
+    native_ = NativeStage(stage);
+    native_.activate(activation_->get());
+  }
+
+  EyeCastOutcome cast(const Running& one) {
+    CastPipeline::Resources resources{volume_, one.transfer, rays_, one.target};
+    if (one.skip) {
+      resources.more = one.skip->bindings();
+      resources.skip_map = one.skip->map_buffers();
+    }
+    const EyeCast eye{.device = device_,
+                      .pipeline = pipeline_,
+                      .resources = resources,
+                      .view = scene_.eye,
+                      .cast = native_ ? &native_ : nullptr};
+    return cast_eye(eye, commands_, host_rays_);
+  }
+
+  /// Warms up, and counts.
+  void count(Running& one) {
+    pipeline_.reset_counters(device_);
+    const EyeCastOutcome done = cast(one);
+    one.result.samples = native_ ? done.counted.samples : pipeline_.counted(device_).samples;
+  }
+
+  void measure(Running& one) {
     const double cpu_before_ms = process_cpu_ms();
     const auto begin = std::chrono::steady_clock::now();
-    gpu::submit_and_wait(one.commands);
+    cast(one);
     const std::chrono::duration<double, std::milli> wall = std::chrono::steady_clock::now() - begin;
     one.wall_ms.push_back(wall.count());
     one.cpu_ms.push_back(process_cpu_ms() - cpu_before_ms);
   }
 
   const gpu::Device& device_;
-  VolumeOnDevice volume_;
+  const RaycastScene& scene_;
+  const VolumeOnDevice& volume_;
   CastPipeline pipeline_;
   RayBuffers rays_;
+  gpu::CommandList commands_;
+  SkipKernels skip_kernels_;
   std::vector<Running> cases_;
+  std::unique_ptr<StageActivation> activation_;
+  NativeStage native_;
+  HostRays host_rays_;
 };
+
+const StageInfo* find_native(const StageRegistry& registry) {
+  for (const StageInfo& stage : registry.stages()) {
+    if (stage.id() == "cast/native") return &stage;
+  }
+  return nullptr;
+}
 
 }  // namespace
 
@@ -161,25 +239,33 @@ RaycastBenchResult bench_raycast(const RaycastBenchOptions& options) {
   result.repetitions = options.repetitions;
   result.size_px = options.size_px;
 
-  VoxelScan scan(VoxelType::uint8);
-  PathBench chosen(device, options, scene, VolumePath::automatic, &scan);
-  const VolumePath other_path =
-      chosen.volume().path() == VolumePath::packed ? VolumePath::sampler : VolumePath::packed;
-  PathBench other(device, options, scene, other_path, nullptr);
-  const VoxelStatistics statistics = scan.result();
+  const SceneVolume chosen(device, VolumePath::automatic);
+  const bool is_packed = chosen.volume.path() == VolumePath::packed;
+  const SceneVolume other(device, is_packed ? VolumePath::sampler : VolumePath::packed);
   result.zero_voxels_ratio =
-      static_cast<double>(statistics.counts[0]) / static_cast<double>(statistics.voxels);
-  result.path_reason = chosen.volume().path_reason();
+      static_cast<double>(chosen.statistics.counts[0]) / static_cast<double>(chosen.statistics.voxels);
+  result.path_reason = chosen.volume.path_reason();
+
+  std::vector<Renderer> renderers = {{chosen}, {other}, {chosen, SkipKind::distance_map}};
+  if (const StageInfo* native = find_native(options.stages)) {
+    renderers.push_back({chosen, SkipKind::none, native});
+    renderers.push_back({chosen, SkipKind::distance_map, native});
+  } else {
+    result.notes.emplace_back("cast/native was not measured: its plug-in was not found");
+  }
+  std::vector<std::unique_ptr<RendererBench>> ours;
+  for (const Renderer& renderer : renderers)
+    ours.push_back(std::make_unique<RendererBench>(device, options, scene, renderer));
 
   const int before = (options.repetitions + 1) / 2;
-  chosen.run(before);
-  other.run(before);
+  for (const auto& bench : ours)
+    bench->run(before);
   std::vector<RaycastBenchCase> rivals;
   if (options.rivals) measure_raycast_rivals(options, scene, rivals, result.notes);
-  chosen.run(options.repetitions - before);
-  other.run(options.repetitions - before);
-  chosen.finish(result.cases);
-  other.finish(result.cases);
+  for (const auto& bench : ours)
+    bench->run(options.repetitions - before);
+  for (const auto& bench : ours)
+    bench->finish(result.cases);
   result.cases.insert(result.cases.end(), rivals.begin(), rivals.end());
   return result;
 }

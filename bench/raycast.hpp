@@ -6,15 +6,17 @@
 #include <vector>
 
 #include "runtime/gpu/device.hpp"
+#include "runtime/host/stage_registry.hpp"
 
 namespace brace {
 
-/// Ray casting without skipping: one eye of the benchmark scene (raycast_scene.hpp), with both transfer
-/// functions and on both data paths, beside VTK's volume mappers on the same voxels, camera, step and picture
-/// size.
+/// Ray casting: one eye of the benchmark scene (raycast_scene.hpp) with both transfer functions, by cast/dvr
+/// on both data paths and by cast/native, without skipping and with a distance map, beside VTK's volume
+/// mappers on the same voxels, camera, step and picture size.
 struct RaycastBenchOptions {
   gpu::DeviceOptions device;
   std::filesystem::path data_folder;  // share/brace: glsl/, kernels/, stages/, bench/
+  StageRegistry stages;               // where cast/native is looked for
   int repetitions = 9;                // of each case, half of them before and half after the rivals
   int size_px = 512;                  // width and height of the picture
   bool rivals = true;                 // measure VTK where it is installed
@@ -24,6 +26,7 @@ struct RaycastBenchCase {
   std::string renderer;
   std::string transfer;  // T or S
   bool is_rival = false;
+  bool skips = false;          // empty space, by a distance map
   double frame_ms_median = 0;  // wall time of a frame
   double frame_ms_min = 0;
   double cpu_ms_min = 0;      // CPU time of all threads; 0 where the work is not done on the CPU

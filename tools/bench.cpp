@@ -25,6 +25,7 @@ std::string run_raycast(const BenchCommand& command) {
   RaycastBenchOptions options;
   options.device = device_options(command);
   options.data_folder = data_folder();
+  options.stages = make_stages({}).registry;
   if (command.quick) options.repetitions = 3;
   const RaycastBenchResult result = bench_raycast(options);
   return command.json ? to_json(result) : to_text(result);

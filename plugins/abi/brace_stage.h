@@ -28,7 +28,7 @@ extern "C" {
 #endif
 
 #define BRACE_ABI_VERSION_MAJOR 1
-#define BRACE_ABI_VERSION_MINOR 0
+#define BRACE_ABI_VERSION_MINOR 1
 /* A version as one number, for the ranges that host and library exchange. */
 #define BRACE_ABI_VERSION_MAKE(major, minor) (((uint32_t)(major) << 16) | (uint32_t)(minor))
 #define BRACE_ABI_VERSION BRACE_ABI_VERSION_MAKE(BRACE_ABI_VERSION_MAJOR, BRACE_ABI_VERSION_MINOR)
@@ -183,6 +183,12 @@ typedef enum brace_format {
   BRACE_FORMAT_RGBA32_FLOAT = 3
 } brace_format;
 
+/* How visible samples are lit: the session's scene.shading. */
+typedef enum brace_shading {
+  BRACE_SHADING_NONE = 0,
+  BRACE_SHADING_PHONG = 1 /* brace/shade.glsl */
+} brace_shading;
+
 /* ---- Activation -----------------------------------------------------------------------------------------
  */
 
@@ -197,6 +203,7 @@ typedef struct brace_activation {
   const brace_volume* volume;
   const brace_transfer_table* transfer;
   double step_units; /* the step that the device's transfer table has baked in, in units of length */
+  brace_shading shading; /* since 1.1 */
 } brace_activation;
 
 /* ---- Kinds: what happens once per frame -----------------------------------------------------------------
@@ -218,6 +225,14 @@ typedef struct brace_area {
   uint32_t x, y, width, height;
 } brace_area;
 
+/* What the skip stage binds for the cast, as brace/skip_grid.glsl lays it out: 32-bit words. */
+typedef enum brace_skip_map {
+  BRACE_SKIP_MAP_NONE = 0,      /* nothing is skipped */
+  BRACE_SKIP_MAP_DISTANCES = 1, /* brace/skip_distance.glsl: a byte per block, four to a word */
+  BRACE_SKIP_MAP_BITS = 2,      /* skip/block: a bit per block, set where something is visible */
+  BRACE_SKIP_MAP_OCTREE = 3     /* skip/octree: a bit-field per node */
+} brace_skip_map;
+
 /* One eye of one eye frame between the braces. The layouts are those of brace/ray_buffers.glsl and
  * brace/eye_params.h:
  *   params            BraceEyeParams (160 bytes)
@@ -228,6 +243,8 @@ typedef struct brace_area {
  *   eye_image         1 uint per pixel (BRACE_FORMAT_RGBA8_PREMULTIPLIED)
  *   eye_depth_m       1 float per pixel
  *   transfer          4096 * 4 floats: r, g, b, optical depth of one step in powers of two
+ *   skip_words        32-bit words of the skip stage's map; null where there is none
+ *   skip_params       BraceSkipParams (brace/skip_params.h)
  *   counters          64 rows of 8 uints: low and high word of rays, samples, skip steps, shading fetches;
  *                     a stage adds what it knows of (atomically), or leaves them alone
  * Ray (x, y) has the index y * rays_across + x; the same holds for pixels and width_px. */
@@ -246,6 +263,8 @@ typedef struct brace_cast_frame {
   brace_buffer_range transfer;
   brace_buffer_range counters;
   brace_work_counts* counted; /* execute only, else null: the stage adds its work here */
+  brace_skip_map skip_map;    /* since 1.1: what skip_words holds */
+  brace_buffer_range skip_words, skip_params;
 } brace_cast_frame;
 
 /* Rules of everything that records (open, close, record):

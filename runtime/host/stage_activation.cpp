@@ -49,6 +49,7 @@ StageActivation::StageActivation(const ActivationInput& input) : open_(input.ope
   activation_.eye_height_px = input.eye_height_px;
   activation_.ray_count_max = input.ray_count_max;
   activation_.step_units = input.step_units;
+  activation_.shading = input.shading;
   if (input.eye_width_px != 0) {
     activation_.eye_image_format = BRACE_FORMAT_RGBA8_PREMULTIPLIED;
     activation_.eye_depth_format = BRACE_FORMAT_R32_FLOAT;

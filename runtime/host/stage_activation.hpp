@@ -38,6 +38,7 @@ struct ActivationInput {
 
   const TransferTable* transfer = nullptr;
   double step_units = 0.5;
+  brace_shading shading = BRACE_SHADING_NONE;
 };
 
 /// Owns everything a brace_activation points to. Lives at least as long as the stages it activates are

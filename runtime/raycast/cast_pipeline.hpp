@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "plugins/abi/brace_stage.h"
 #include "runtime/gpu/commands.hpp"
 #include "runtime/gpu/pipeline.hpp"
 #include "runtime/metrics/frame_record.hpp"
@@ -74,6 +75,13 @@ struct CastArea {
   int x = 0, y = 0, width = 0, height = 0;
 };
 
+/// The skip stage's map in buffers, for casts on the host; kernels get it by their bindings.
+struct SkipMapBuffers {
+  brace_skip_map kind = BRACE_SKIP_MAP_NONE;
+  const gpu::Buffer* words = nullptr;
+  const gpu::Buffer* params = nullptr;  // BraceSkipParams
+};
+
 /// Opening brace, ray casting and closing brace. The device must outlive it.
 class CastPipeline {
  public:
@@ -93,6 +101,7 @@ class CastPipeline {
     const RayBuffers& rays;
     const EyeTarget& target;
     std::span<const gpu::Binding> more = {};  // skip maps, layers, …
+    SkipMapBuffers skip_map = {};
   };
 
   /// Records one eye whole, with the timings "opening", "cast" and "closing" and barriers around each.

@@ -139,7 +139,6 @@ ActivationInput activation_input(const gpu::Device& device, const VolumeOnDevice
 brace_cast_frame cast_frame(const EyeCast& eye, VkCommandBuffer_T* commands, const CastArea& area) {
   const CastPipeline::Resources& in = eye.resources;
   const std::uint64_t rays = ray_count(in.rays);
-  const gpu::Binding transfer = in.transfer.binding(CastSlot::transfer);
   brace_cast_frame frame{};
   frame.struct_size = sizeof frame;
   frame.eye = eye.eye;
@@ -156,8 +155,13 @@ brace_cast_frame cast_frame(const EyeCast& eye, VkCommandBuffer_T* commands, con
   frame.result_depths_m = buffer_range(in.rays.depths_m, 0, rays * 4);
   frame.eye_image = buffer_range(in.target.image);
   frame.eye_depth_m = buffer_range(in.target.depth);
-  frame.transfer = {transfer.buffer, transfer.offset_bytes, transfer.size_bytes, nullptr};
+  frame.transfer = buffer_range(in.transfer.buffer());
   frame.counters = buffer_range(eye.pipeline.counters());
+  if (in.skip_map.kind != BRACE_SKIP_MAP_NONE) {
+    frame.skip_map = in.skip_map.kind;
+    frame.skip_words = buffer_range(*in.skip_map.words);
+    frame.skip_params = buffer_range(*in.skip_map.params);
+  }
   return frame;
 }
 
@@ -169,6 +173,12 @@ void execute_cast(const EyeCast& eye, const CastArea& area, HostRays& host, Work
   bring(eye.device, rays.directions, frame.ray_directions, host.directions);
   bring(eye.device, rays.colours, frame.result_colours, host.colours);
   bring(eye.device, rays.depths_m, frame.result_depths_m, host.depths_m);
+  bring(eye.device, eye.resources.transfer.buffer(), frame.transfer, host.transfer);
+  const SkipMapBuffers& skip = eye.resources.skip_map;
+  if (skip.kind != BRACE_SKIP_MAP_NONE) {
+    bring(eye.device, *skip.words, frame.skip_words, host.skip_words);
+    bring(eye.device, *skip.params, frame.skip_params, host.skip_params);
+  }
   brace_work_counts counts{};
   frame.counted = &counts;
   eye.cast->cast(frame);

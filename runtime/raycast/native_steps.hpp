@@ -41,7 +41,7 @@ struct EyeCastOutcome {
 
 /// Host memory for casts on the host where the device's is not mapped; grows to its size once.
 struct HostRays {
-  std::vector<std::byte> params, entries, directions, colours, depths_m;
+  std::vector<std::byte> params, entries, directions, colours, depths_m, transfer, skip_words, skip_params;
 };
 
 /// The frame as a stage sees it. `commands` null: on the host, with mapped ranges where there are any.

@@ -32,6 +32,7 @@ class TransferOnDevice {
   /// Of the extras; without them a texel that no kernel asks for.
   gpu::Binding integrals_binding(std::uint32_t slot) const { return gpu::bind(slot, integral_texels_); }
   gpu::Binding segments_binding(std::uint32_t slot) const { return gpu::bind(slot, segment_texels_); }
+  const gpu::Buffer& buffer() const { return buffer_; }
 
   /// Fills transfer.
   void describe(BraceEyeParams& params) const;

@@ -83,9 +83,16 @@ void EyeRenderer::activate_native_stages() {
   const auto make = [&](const char* family, NativeStage& stage) {
     if (!is_native(session_, family)) return;
     if (activation_ == nullptr) {
-      activation_ = std::make_unique<StageActivation>(
+      ActivationInput input =
           activation_input(device_, scene_.volume, placement_, scene_.table, step_voxels_of(session_),
-                           headset_.eye.width_px, headset_.eye.height_px));
+                           headset_.eye.width_px, headset_.eye.height_px);
+      if (session_.scene.shading == "phong") input.shading = BRACE_SHADING_PHONG;
+      OpenOptions as_on_device;
+      if (session_.scene.nan == "empty") as_on_device.non_finite = NonFinitePolicy::treat_as_empty;
+      input.open_volume = [as_on_device, source = session_.scene.volume] {
+        return open_volume(source, as_on_device);
+      };
+      activation_ = std::make_unique<StageActivation>(input);
     }
     stage = NativeStage(session_.pipeline.at(family));
     try {
@@ -105,8 +112,8 @@ JobOutcome EyeRenderer::render_with_native_stages(const Pose& world_from_head, c
     const EyeTarget& target = into[static_cast<std::size_t>(eye)];
     const EyeView view = eye_view(headset_, eye, world_from_head);
     CastPipeline::set_eye(device_, target, view, placement_, scene_.volume, scene_.transfer);
-    const CastPipeline::Resources resources{scene_.volume, scene_.transfer, rays_, target,
-                                            scene_.skip_bindings()};
+    const CastPipeline::Resources resources{scene_.volume, scene_.transfer,        rays_,
+                                            target,        scene_.skip_bindings(), scene_.skip_map()};
     const EyeCast cast{.device = device_,
                        .pipeline = pipeline_,
                        .resources = resources,

@@ -39,6 +39,7 @@ struct SceneOnDevice {
   std::span<const gpu::Binding> skip_bindings() const {
     return skip ? skip->bindings() : std::span<const gpu::Binding>();
   }
+  SkipMapBuffers skip_map() const { return skip ? skip->map_buffers() : SkipMapBuffers(); }
 };
 
 /// Distance between samples in the smallest voxel spacing: the cast stage's step_voxels, 0.5 if it has none.

@@ -29,7 +29,7 @@ BitmaskStructure::BitmaskStructure(SkipKernels& kernels, const SkipScene& scene,
       map_(kernels.device(), grid_, "distance map"),
       list_(kernels.device()) {
   map_.append(1);
-  bind_map(*map_.place(0).words);
+  bind_map(BRACE_SKIP_MAP_DISTANCES, *map_.place(0).buffer, *map_.place(0).words);
 }
 
 WorkCounts BitmaskStructure::update(gpu::CommandList& commands, const TransferTable& table) {
@@ -50,7 +50,7 @@ OctreeStructure::OctreeStructure(SkipKernels& kernels, const SkipScene& scene, c
     : SkipStructure(kernels, scene, options), partitioning_(make_partitioning(scene, options)) {
   const auto words = static_cast<std::uint32_t>((partitioning_.count() + 31) / 32);
   build(cached_planes(kernels, scene, grid_, partitioning_, options, progress), words);
-  bind_map(node_texels_);
+  bind_map(BRACE_SKIP_MAP_OCTREE, nodes_, node_texels_);
 }
 
 void OctreeStructure::build(const BitPlanes& planes, std::uint32_t words) {

@@ -62,7 +62,7 @@ BlockStructure::BlockStructure(SkipKernels& kernels, const SkipScene& scene, con
     gpu::submit_and_wait(commands);
     if (progress) progress(static_cast<double>(z + slab.slices) / grid_.blocks[2]);
   }
-  bind_map(occupied_.words);
+  bind_map(BRACE_SKIP_MAP_BITS, occupied_.buffer, occupied_.words);
 }
 
 WorkCounts BlockStructure::update(gpu::CommandList& commands, const TransferTable& table) {
@@ -91,7 +91,7 @@ DistanceMapStructure::DistanceMapStructure(SkipKernels& kernels, const SkipScene
       occupied_(kernels.device(), grid_, "occupied blocks"),
       map_(kernels.device(), grid_, "distance map") {
   map_.append(1);
-  bind_map(*map_.place(0).words);
+  bind_map(BRACE_SKIP_MAP_DISTANCES, *map_.place(0).buffer, *map_.place(0).words);
 }
 
 WorkCounts DistanceMapStructure::update(gpu::CommandList& commands, const TransferTable& table) {

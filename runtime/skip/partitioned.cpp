@@ -92,7 +92,7 @@ PartitionedStructure::PartitionedStructure(SkipKernels& kernels, const SkipScene
       merged_(kernels.device(), grid_, "merged distance map"),
       list_(kernels.device()) {
   merged_.append(1);
-  bind_map(*merged_.place(0).words);
+  bind_map(BRACE_SKIP_MAP_DISTANCES, *merged_.place(0).buffer, *merged_.place(0).words);
   if (options.lazy) {
     map_of_.assign(static_cast<std::size_t>(partitioning_.count()), -1);
   } else {

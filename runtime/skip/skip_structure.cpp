@@ -185,7 +185,9 @@ SkipStructure::SkipStructure(SkipKernels& kernels, const SkipScene& scene, const
   write_params(params_);
 }
 
-void SkipStructure::bind_map(const gpu::TexelBuffer& words) {
+void SkipStructure::bind_map(brace_skip_map kind, const gpu::Buffer& buffer, const gpu::TexelBuffer& words) {
+  map_kind_ = kind;
+  map_words_ = &buffer;
   bindings_ = {gpu::bind(10, words), gpu::bind(11, params_buffer_)};
 }
 

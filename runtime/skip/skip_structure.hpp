@@ -9,6 +9,7 @@
 
 #include "plugins/abi/glsl/brace/skip_params.h"
 #include "runtime/metrics/frame_record.hpp"
+#include "runtime/raycast/cast_pipeline.hpp"
 #include "runtime/raycast/volume_on_device.hpp"
 #include "runtime/skip/bit_planes.hpp"
 #include "runtime/skip/block_grid.hpp"
@@ -76,6 +77,8 @@ class SkipStructure {
 
   /// What the stage's snippet binds; the same from update to update.
   std::span<const gpu::Binding> bindings() const { return bindings_; }
+  /// The same for casts on the host.
+  SkipMapBuffers map_buffers() const { return {map_kind_, map_words_, &params_buffer_}; }
 
   /// Records the work of a change to `table`, with a barrier at its end, and returns the bytes it reads and
   /// writes. Writes small host-visible buffers at once: whatever was submitted before must be done, and the
@@ -90,7 +93,8 @@ class SkipStructure {
   SkipStructure(SkipKernels& kernels, const SkipScene& scene, const SkipOptions& options);
 
   Visibility visibility(const TransferTable& table) const { return Visibility(table, slack_); }
-  void bind_map(const gpu::TexelBuffer& words);
+  /// `words` is a view of `buffer`; both must stay where they are.
+  void bind_map(brace_skip_map kind, const gpu::Buffer& buffer, const gpu::TexelBuffer& words);
   void write_params(const BraceSkipParams& params);
   const gpu::Device& device() const { return kernels_->device(); }
 
@@ -102,6 +106,8 @@ class SkipStructure {
   Slack slack_;
   gpu::Buffer params_buffer_;
   std::vector<gpu::Binding> bindings_;
+  brace_skip_map map_kind_ = BRACE_SKIP_MAP_NONE;
+  const gpu::Buffer* map_words_ = nullptr;
 };
 
 /// Builds a structure; null for SkipKind::none. Throws input_error on options out of range and device_error

@@ -1,0 +1,89 @@
+// What the SIMD ray caster works on, and its entry: plain data, shared by all instruction sets.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "brace_stage.h"
+#include "glsl/brace/eye_params.h"
+#include "glsl/brace/skip_params.h"
+
+namespace native_cast {
+
+/// Memory for many texels: huge pages where the system has them, as nearly every fetch meets another page.
+class Texels {
+ public:
+  Texels() = default;
+  /// Throws std::bad_alloc. Not initialised.
+  explicit Texels(std::size_t count);
+
+  std::uint32_t* data() const { return memory_.get(); }
+  std::size_t size() const { return size_; }
+
+ private:
+  struct Free {
+    void operator()(std::uint32_t* memory) const;
+  };
+  std::unique_ptr<std::uint32_t[], Free> memory_;
+  std::size_t size_ = 0;
+};
+
+/// Voxels as 32-bit texels with an apron of edge voxels. Texel (x, y, z) stands for the point (x, y, z) of
+/// voxel coordinates. 8-bit: the voxels x - 1 and x of the rows y - 1 and y, lowest byte first. 16-bit: the
+/// voxels x - 1 and x of row y - 1. Float: voxel (x - 1, y - 1). All of slice z - 1.
+///
+/// In memory they lie in tiles of 4 x 4 columns; a slice of a tile is a cache line, the next slice the next
+/// one: a packet of 4 x 4 rays meets few lines, whatever its direction.
+struct PackedVolume {
+  static constexpr std::int32_t tile_slice_texels = 16;
+
+  brace_voxel_type type = BRACE_VOXEL_UINT8;
+  std::int32_t tile_texels = 0;      // all slices of a tile: from tile to tile along x
+  std::int32_t tile_row_texels = 0;  // along y
+  Texels texels;
+
+  /// Reads and packs all slices. On failure `error` says why. May throw std::bad_alloc.
+  brace_result read(const brace_volume& volume, std::string& error);
+};
+
+struct Shading {
+  bool phong = false;
+  float ambient = 0.3f, diffuse = 0.7f, specular = 0.2f, shininess = 32.0f;
+};
+
+/// Everything the rays of one call have in common.
+struct Scene {
+  const PackedVolume* volume = nullptr;
+  const float* transfer =
+      nullptr;  // r, g, b, optical depth of a step in powers of two; an entry behind the last
+  brace::BraceEyeParams eye{};
+  brace_skip_map skip_map = BRACE_SKIP_MAP_NONE;
+  const std::uint32_t* skip_words = nullptr;
+  brace::BraceSkipParams skip{};
+  float step_units = 0.5f;
+  float opaque_transmittance = 0.0f;  // a ray ends at or below it; negative: never
+  Shading shading;
+};
+
+/// The ray buffers of brace/ray_buffers.glsl.
+struct Rays {
+  const float* entries = nullptr;
+  const float* directions = nullptr;
+  float* colours = nullptr;
+  float* depths_m = nullptr;
+  std::size_t across = 0;  // rays per row
+};
+
+/// Casts the rays of `area` on this thread and adds to `counts`.
+void cast_area(const Scene& scene, const Rays& rays, const brace_area& area, brace_work_counts& counts);
+
+/// Instruction sets that cast_area has code for and this processor runs, best first: "avx512", "avx2",
+/// "sse4", "neon", "scalar".
+std::vector<std::string> instruction_sets();
+/// The one of the above that cast_area uses from now on in this process; "auto": the best.
+void choose_instruction_set(const std::string& name);
+
+}  // namespace native_cast
