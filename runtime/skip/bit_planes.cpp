@@ -5,6 +5,7 @@
 
 #include "base/error.hpp"
 #include "runtime/skip/kernels/build_params.h"
+#include "runtime/skip/merge.hpp"
 
 namespace brace {
 
@@ -14,10 +15,6 @@ constexpr std::uint64_t slab_bytes_max = std::uint64_t{32} << 20;
 
 struct PlanesParams {
   std::uint32_t groups, first_group, mask_words, first_plane, plane_count, plane_stride;
-};
-
-struct MergeParams {
-  std::uint32_t quads, stride, first, count, base, onto;
 };
 
 std::uint32_t mask_words_for(int partitions) {
@@ -170,25 +167,20 @@ BitPlane::BitPlane(const gpu::Device& device, const BlockGrid& grid, std::string
       words(device, buffer, gpu::Format::r32_uint) {}
 
 std::uint64_t record_union(gpu::CommandList& commands, SkipKernels& kernels, const BlockGrid& grid,
-                           const BitPlanes& planes, const std::vector<bool>& visible, IndexList& list,
+                           const BitPlanes& planes, const std::vector<bool>& visible,
                            const BitPlane& target) {
   BRACE_CHECK(visible.size() == static_cast<std::size_t>(planes.count()));
-  std::uint32_t count = 0, first = 0;
-  for (std::size_t p = 0; p < visible.size(); ++p) {
-    if (!visible[p]) continue;
-    const std::uint32_t at = list.append(static_cast<std::uint32_t>(p));
-    if (count++ == 0) first = at;
-  }
   const auto quads = static_cast<std::uint32_t>(grid.plane_bytes() / 16);
-  const MergeParams params{quads, quads, first, count, 0, 0};
-  const auto& merge = kernels.get("merge", {{"BRACE_MERGE_OR", "1"}, {"BRACE_MERGE_LIST_QUADS", "256"}});
-  commands.dispatch(merge,
-                    {gpu::bind(1, planes.quads()),
-                     bind_range(kernels.device(), 2, target.buffer, 0, grid.plane_bytes(), "a bit plane"),
-                     gpu::bind(3, list.buffer())},
-                    gpu::push_bytes(params), linear_groups(quads, 64));
-  commands.barrier();
-  return (std::uint64_t{count} + 1) * grid.plane_bytes();
+  std::vector<std::uint32_t> first_quads;
+  for (std::size_t p = 0; p < visible.size(); ++p)
+    if (visible[p]) first_quads.push_back(static_cast<std::uint32_t>(p) * quads);
+  if (first_quads.empty()) {
+    commands.fill(target.buffer, 0);
+    commands.barrier();
+    return grid.plane_bytes();
+  }
+  return record_merge(commands, kernels, MergeKind::any_bit, {planes.quads(), first_quads, quads},
+                      bind_range(kernels.device(), 2, target.buffer, 0, grid.plane_bytes(), "a bit plane"));
 }
 
 }  // namespace brace

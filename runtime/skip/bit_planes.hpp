@@ -75,7 +75,6 @@ struct BitPlane {
 
 /// Records target = OR of the planes that are visible. Bytes read and written.
 std::uint64_t record_union(gpu::CommandList& commands, SkipKernels& kernels, const BlockGrid& grid,
-                           const BitPlanes& planes, const std::vector<bool>& visible, IndexList& list,
-                           const BitPlane& target);
+                           const BitPlanes& planes, const std::vector<bool>& visible, const BitPlane& target);
 
 }  // namespace brace

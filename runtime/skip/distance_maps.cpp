@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "base/error.hpp"
+#include "runtime/skip/merge.hpp"
 
 namespace brace {
 
@@ -16,9 +17,6 @@ struct DistanceYParams {
 };
 struct DistanceZParams {
   std::uint32_t row_quads, rows, map_stride, from, to, base;
-};
-struct MergeParams {
-  std::uint32_t quads, stride, first, count, base, onto;
 };
 
 /// The transform of maps that lie one after the other in one buffer.
@@ -144,7 +142,7 @@ std::uint64_t record_transform(gpu::CommandList& commands, SkipKernels& kernels,
 }
 
 std::uint64_t record_minimum(gpu::CommandList& commands, SkipKernels& kernels, const BlockGrid& grid,
-                             const DistanceMaps& maps, std::span<const int> sources, IndexList& list,
+                             const DistanceMaps& maps, std::span<const int> sources,
                              const DistanceMaps& target, int target_map) {
   const DistanceMaps::Place to = target.place(target_map);
   const std::uint64_t to_offset = std::uint64_t{to.index} * grid.map_bytes();
@@ -153,23 +151,21 @@ std::uint64_t record_minimum(gpu::CommandList& commands, SkipKernels& kernels, c
     commands.barrier();
     return grid.map_bytes();
   }
-  const auto& merge = kernels.get("merge", {{"BRACE_MERGE_LIST_QUADS", "256"}});
   const auto quads = static_cast<std::uint32_t>(grid.map_bytes() / 16);
   const gpu::Binding written =
       bind_range(kernels.device(), 2, *to.buffer, to_offset, grid.map_bytes(), "a distance map");
   std::uint64_t bytes = 0;
+  std::vector<std::uint32_t> first_quads;
   for (std::size_t i = 0; i < sources.size();) {
-    const DistanceMaps::Place first = maps.place(sources[i]);
-    MergeParams params{quads, quads, list.append(first.index), 1, 0, bytes > 0 ? 1u : 0u};
-    for (++i; i < sources.size(); ++i, ++params.count) {
+    const DistanceMaps::Place piece = maps.place(sources[i]);
+    first_quads.clear();
+    for (; i < sources.size(); ++i) {
       const DistanceMaps::Place next = maps.place(sources[i]);
-      if (next.piece != first.piece) break;
-      list.append(next.index);
+      if (next.piece != piece.piece) break;
+      first_quads.push_back(next.index * quads);
     }
-    commands.dispatch(merge, {gpu::bind(1, *first.quads), written, gpu::bind(3, list.buffer())},
-                      gpu::push_bytes(params), linear_groups(quads, 64));
-    commands.barrier();
-    bytes += (std::uint64_t{params.count} + 1 + params.onto) * grid.map_bytes();
+    bytes += record_merge(commands, kernels, MergeKind::smallest_byte, {*piece.quads, first_quads, quads},
+                          written, bytes > 0);
   }
   return bytes;
 }

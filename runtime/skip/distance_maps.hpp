@@ -57,10 +57,10 @@ std::uint64_t record_transform(gpu::CommandList& commands, SkipKernels& kernels,
                                const gpu::TexelBuffer& planes, int first_plane, const DistanceMaps& maps,
                                int first_map, int count);
 
-/// Records target = smallest of `sources` (Eq. 1), in one pass over those that lie in one piece of memory; of
+/// Records target = smallest of `sources` (Eq. 1), 16 of those that lie in one piece of memory in a pass; of
 /// none: all 127. Bytes read and written.
 std::uint64_t record_minimum(gpu::CommandList& commands, SkipKernels& kernels, const BlockGrid& grid,
-                             const DistanceMaps& maps, std::span<const int> sources, IndexList& list,
+                             const DistanceMaps& maps, std::span<const int> sources,
                              const DistanceMaps& target, int target_map);
 
 }  // namespace brace

@@ -26,17 +26,17 @@ BitmaskStructure::BitmaskStructure(SkipKernels& kernels, const SkipScene& scene,
       partitioning_(make_partitioning(scene, options)),
       planes_(cached_planes(kernels, scene, grid_, partitioning_, options, progress)),
       occupied_(kernels.device(), grid_, "occupied blocks"),
-      map_(kernels.device(), grid_, "distance map"),
-      list_(kernels.device()) {
+      map_(kernels.device(), grid_, "distance map") {
   map_.append(1);
+  warm_merges(kernels, MergeKind::any_bit, planes_.quads(),
+              bind_range(device(), 2, occupied_.buffer, 0, grid_.plane_bytes(), "a bit plane"));
   bind_map(BRACE_SKIP_MAP_DISTANCES, *map_.place(0).buffer, *map_.place(0).words);
 }
 
 WorkCounts BitmaskStructure::update(gpu::CommandList& commands, const TransferTable& table) {
-  list_.clear();
   WorkCounts work;
   work.bytes = record_union(commands, *kernels_, grid_, planes_, visibility(table).partitions(partitioning_),
-                            list_, occupied_);
+                            occupied_);
   work.bytes += record_transform(commands, *kernels_, grid_, occupied_.words, 0, map_, 0, 1);
   return work;
 }

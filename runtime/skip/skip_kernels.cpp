@@ -41,13 +41,4 @@ gpu::Binding bind_range(const gpu::Device& device, std::uint32_t slot, const gpu
   return gpu::bind(slot, buffer, offset_bytes, size_bytes);
 }
 
-IndexList::IndexList(const gpu::Device& device)
-    : buffer_(device, "skip index list", std::uint64_t{length_max} * 4, gpu::Memory::upload) {}
-
-std::uint32_t IndexList::append(std::uint32_t index) {
-  BRACE_CHECK(used_ < length_max);
-  buffer_.mapped_as<std::uint32_t>()[used_] = index;
-  return used_++;
-}
-
 }  // namespace brace

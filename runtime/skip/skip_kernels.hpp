@@ -42,22 +42,4 @@ std::array<std::uint32_t, 3> linear_groups(std::uint64_t items, std::uint32_t lo
 gpu::Binding bind_range(const gpu::Device& device, std::uint32_t slot, const gpu::Buffer& buffer,
                         std::uint64_t offset_bytes, std::uint64_t size_bytes, std::string_view what);
 
-/// A list of indices that a recorded kernel reads (std140: four per element); written by the host while
-/// recording, so nothing recorded before may be waiting.
-class IndexList {
- public:
-  static constexpr std::uint32_t length_max = 1024;
-
-  IndexList() = default;
-  explicit IndexList(const gpu::Device& device);
-  void clear() { used_ = 0; }
-  /// Returns where the first index lies.
-  std::uint32_t append(std::uint32_t index);
-  const gpu::Buffer& buffer() const { return buffer_; }
-
- private:
-  gpu::Buffer buffer_;
-  std::uint32_t used_ = 0;
-};
-
 }  // namespace brace

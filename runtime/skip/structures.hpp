@@ -1,6 +1,7 @@
 #pragma once
 
 #include "runtime/skip/distance_maps.hpp"
+#include "runtime/skip/merge.hpp"
 #include "runtime/skip/skip_structure.hpp"
 
 namespace brace {
@@ -67,7 +68,6 @@ class BitmaskStructure final : public SkipStructure {
   BitPlanes planes_;
   BitPlane occupied_;
   DistanceMaps map_;
-  IndexList list_;
 };
 
 /// A bit-field per node; at a change only the transfer function's bits.
@@ -123,7 +123,6 @@ class PartitionedStructure final : public SkipStructure {
   BitPlanes planes_;  // kept by a lazy structure only
   DistanceMaps maps_, merged_;
   std::vector<int> map_of_;  // lazy: by partition, -1 until made
-  IndexList list_;
 };
 
 /// Planes from the cache if they are there, else from the volume (and into the cache).

@@ -99,14 +99,13 @@ TEST_F(Skip, MergedDistancesNeverExceedAndForAlignedPartitionsEqualTheExactOnes)
     DistanceMaps maps(device(), grid, "maps"), merged(device(), grid, "merged");
     maps.append(partitioning.count());
     merged.append(1);
-    IndexList list(device());
     gpu::CommandList commands(device(), "test");
     record_transform(commands, kernels(), grid, planes.words(), 0, maps, 0, partitioning.count());
     std::vector<int> sources;
     const std::vector<bool> shown = Visibility(table).partitions(partitioning);
     for (int p = 0; p < partitioning.count(); ++p)
       if (shown[static_cast<std::size_t>(p)]) sources.push_back(p);
-    record_minimum(commands, kernels(), grid, maps, sources, list, merged, 0);
+    record_minimum(commands, kernels(), grid, maps, sources, merged, 0);
     submit(commands);
     const auto approximate = distances(merged, 0, grid);
     const auto exact = oracle::chebyshev(grid, oracle::occupied(volume, grid, table, Occupancy::cell));
