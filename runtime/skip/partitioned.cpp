@@ -91,14 +91,10 @@ PartitionedStructure::PartitionedStructure(SkipKernels& kernels, const SkipScene
       maps_(kernels.device(), grid_, "partitioned distance maps"),
       merged_(kernels.device(), grid_, "merged distance map") {
   merged_.append(1);
-<<<<<<< HEAD
   bind_map(BRACE_SKIP_MAP_DISTANCES, *merged_.place(0).buffer, *merged_.place(0).words);
-=======
-  bind_map(*merged_.place(0).words);
   const DistanceMaps::Place target = merged_.place(0);
   warm_merges(kernels, MergeKind::smallest_byte, *target.quads,
               bind_range(device(), 2, *target.buffer, 0, grid_.map_bytes(), "a distance map"));
->>>>>>> f1cd0aa (Merges of maps named by constants, 16 in a pass: three times as fast on the software device)
   if (options.lazy) {
     map_of_.assign(static_cast<std::size_t>(partitioning_.count()), -1);
   } else {

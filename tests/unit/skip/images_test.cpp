@@ -1,3 +1,5 @@
+#include <algorithm>
+#include <cstdlib>
 #include <map>
 
 #include "runtime/host/stage_glsl.hpp"
@@ -297,6 +299,77 @@ TEST_F(SkipImages, VoxelsThatAreNoNumbersHideNothing) {
           << to_string(kind);
     }
   }
+}
+
+std::filesystem::path real_volumes() {
+  const char* shared = std::getenv("BRACE_SHARED_DIR");
+  return (shared != nullptr ? std::filesystem::path(shared) : source_folder() / "../shared") / "data/volumes";
+}
+
+/// Every so many voxels of a real volume, so that no edge is longer than `edge_max`.
+Volume thinned(const VolumeInfo& info, std::span<const std::byte> voxels, int edge_max) {
+  const int longest = *std::max_element(info.dims.begin(), info.dims.end());
+  const int every = (longest + edge_max - 1) / edge_max;
+  Volume thin;
+  thin.info = info;
+  for (int& dim : thin.info.dims)
+    dim = (dim + every - 1) / every;
+  thin.voxels.resize(thin.info.byte_count());
+  const std::size_t size = info.byte_count() / static_cast<std::size_t>(info.voxel_count());
+  std::size_t to = 0;
+  for (int z = 0; z < info.dims[2]; z += every)
+    for (int y = 0; y < info.dims[1]; y += every)
+      for (int x = 0; x < info.dims[0]; x += every, to += size) {
+        const auto at = (static_cast<std::size_t>(z) * static_cast<std::size_t>(info.dims[1]) +
+                         static_cast<std::size_t>(y)) *
+                            static_cast<std::size_t>(info.dims[0]) +
+                        static_cast<std::size_t>(x);
+        std::copy_n(voxels.begin() + static_cast<std::ptrdiff_t>(at * size), size,
+                    thin.voxels.begin() + static_cast<std::ptrdiff_t>(to));
+      }
+  return thin;
+}
+
+TEST_F(SkipImages, RealVolumesLookTheSameBitForBitUnderTf1ToTf6WithEveryStructure) {
+  if (!std::filesystem::is_directory(real_volumes()))
+    GTEST_SKIP() << real_volumes() << " is not there: set BRACE_SHARED_DIR";
+  const int edge_max = std::getenv("BRACE_LONG_TESTS") != nullptr ? 1024 : 64;
+  Random random(25);
+  int volumes = 0;
+  std::uint64_t samples_without = 0, samples_with = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(real_volumes())) {
+    const std::string name = entry.path().filename().string();
+    if (name.ends_with(".raw") || name.ends_with(".txt") || name.ends_with(".md")) continue;
+    const auto opened = open_volume(entry.path().string());
+    const VolumeInfo& info = opened->info();
+    std::vector<std::byte> voxels(info.byte_count());
+    opened->read_slab(voxels, 0, info.dims[2]);
+    const Volume volume = thinned(info, voxels, edge_max);
+    MemorySource source(volume);
+    const VoxelStatistics statistics = scan(volume);
+    const VolumeOnDevice on_device(device(), source, VolumePath::packed);
+    const std::array<std::vector<RayInput>, 2> rays = {random_rays(random, volume.info),
+                                                       random_rays(random, volume.info)};
+    for (const SkipKind kind : skipping) {
+      SkipOptions options;
+      options.kind = kind;
+      const auto made = make_skip_structure(kernels(), {on_device, statistics}, options);
+      for (int tf = 1; tf <= 6; ++tf) {
+        const TransferTable table = paper_table(tf, statistics.range);
+        bring(*made, table);
+        for (const auto& some : rays) {
+          const Picture plain = cast(SkipKind::none, on_device, table, nullptr, some, 0.5);
+          samples_without += work_.samples;
+          ASSERT_TRUE(plain == cast(kind, on_device, table, made.get(), some, 0.5))
+              << name << " TF" << tf << " skip/" << to_string(kind);
+          samples_with += work_.samples;
+        }
+      }
+    }
+    ++volumes;
+  }
+  EXPECT_GT(volumes, 0);
+  EXPECT_LT(samples_with, samples_without);
 }
 
 }  // namespace
