@@ -7,9 +7,11 @@
 #include <fstream>
 
 #include "base/error.hpp"
+#include "base/suggest.hpp"
 #include "bench/skip_frames.hpp"
 #include "bench/skip_published.hpp"
 #include "bench/skip_scenes.hpp"
+#include "bench/skip_threshold.hpp"
 #include "runtime/skip/structures.hpp"
 
 namespace brace {
@@ -83,9 +85,8 @@ class SceneBench {
   }
 
   void frames() {
-    const std::array<int, 3> tfs = {1, 3, 6};
-    const auto rows =
-        bench::measure_frames(device_, kernels_, scene_.name, volume_, statistics_, tfs, options_);
+    const auto rows = bench::measure_frames(device_, kernels_, scene_.name, volume_, statistics_,
+                                            bench::paper_tables(), bench::all_variants(), options_);
     result_.frames.insert(result_.frames.end(), rows.begin(), rows.end());
   }
 
@@ -116,7 +117,7 @@ class SceneBench {
     SkipUpdateRow row;
     row.scene = scene_.name;
     row.tf = tf;
-    row.published_ms = least_ms(1, [&] { return published_->recompute_ms(table); });
+    row.published_ms = least_ms(tf == 1 ? 1 : 0, [&] { return published_->recompute_ms(table); });
     if (!block_) {
       block_ = make(SkipKind::block, 1);
       distance_ = make(SkipKind::distance_map, 1);
@@ -183,6 +184,19 @@ class SceneBench {
   std::unique_ptr<SkipStructure> block_, distance_, bitmask_;
 };
 
+bool has(const std::vector<std::string>& names, const std::string& name) {
+  return std::find(names.begin(), names.end(), name) != names.end();
+}
+
+void check_names(const char* what, const std::vector<std::string>& given,
+                 const std::vector<std::string>& known) {
+  for (const std::string& name : given) {
+    if (has(known, name)) continue;
+    throw input_error("bench skip: there is no {} '{}'{}; accepted: {}", what, name,
+                      did_you_mean(name, known), join(known));
+  }
+}
+
 std::vector<std::string> published_lines(const std::filesystem::path& file) {
   std::ifstream stream(file);
   if (!stream)
@@ -196,6 +210,8 @@ std::vector<std::string> published_lines(const std::filesystem::path& file) {
 }  // namespace
 
 SkipBenchResult bench_skip(const SkipBenchOptions& options) {
+  check_names("scene", options.scenes, {"head", "insect", "snake"});
+  check_names("part", options.parts, {"updates", "frames", "threshold"});
   const gpu::Device device(options.device);
   SkipKernels kernels(device, options.data_folder / "kernels/skip");
   SkipBenchResult result;
@@ -204,19 +220,24 @@ SkipBenchResult bench_skip(const SkipBenchOptions& options) {
   result.published = published_lines(options.data_folder / "bench/pdm_table1.csv");
   result.copy_gb_per_s = copy_gb_per_s(device);
   for (const bench::SkipScene& scene : bench::skip_scenes(options.divisor)) {
-    if (std::find(options.scenes.begin(), options.scenes.end(), scene.name) == options.scenes.end()) continue;
+    if (!has(options.scenes, scene.name) || !(has(options.parts, "updates") || has(options.parts, "frames")))
+      continue;
     SceneBench scene_bench(device, kernels, scene, options, result);
-    scene_bench.updates();
-    scene_bench.frames();
+    if (has(options.parts, "updates")) scene_bench.updates();
+    if (has(options.parts, "frames")) scene_bench.frames();
   }
   for (const std::string& name : options.volumes) {
     const auto source = open_volume(name);
     VoxelScan scan(source->info().type);
     const VolumeOnDevice volume(device, *source, VolumePath::automatic, &scan);
-    const std::array<int, 2> tfs = {1, 3};
-    const auto rows = bench::measure_frames(device, kernels, name, volume, scan.result(), tfs, options);
+    const VoxelStatistics statistics = scan.result();
+    const auto rows =
+        bench::measure_frames(device, kernels, std::filesystem::path(name).filename().string(), volume,
+                              statistics, bench::tables_for(statistics), bench::all_variants(), options);
     result.frames.insert(result.frames.end(), rows.begin(), rows.end());
   }
+  if (has(options.parts, "threshold"))
+    result.thresholds = bench::measure_thresholds(device, kernels, options);
   return result;
 }
 

@@ -16,11 +16,12 @@ struct SkipBenchOptions {
   std::filesystem::path data_folder;  // share/brace: bench/, glsl/, kernels/, stages/
   std::vector<std::string> volumes;   // files or generators for frame times beside the generated ones
   std::vector<std::string> scenes = {"head", "insect", "snake"};
+  std::vector<std::string> parts = {"updates", "frames", "threshold"};
   std::vector<int> partitions = {16, 32, 64, 128, 256};
   int divisor = 1;      // of the volumes' edges, to be quick
   int repetitions = 5;  // of each update; the least counts
-  int viewport_px = 256;
-  int views = 8;                                            // on two full rotations
+  int viewport_px = 128;
+  int views = 4;                                            // on two full rotations
   std::uint64_t memory_bytes_max = std::uint64_t{4} << 30;  // cells that need more are left out
   std::function<void(std::string_view)> progress;           // a line now and then
 };
@@ -54,10 +55,17 @@ struct SkipInitRow {
 
 struct SkipFrameRow {
   std::string scene;
-  int tf = 1;
+  int tf = 1;  // 0: the highest 1 % of the voxels
   std::string stage;
   double ms = 0, ms_without_termination = 0;  // mean over the views
   double samples_m = 0, skip_steps_m = 0;     // per frame, with termination
+  bool chosen = false;                        // by skip/auto
+};
+
+struct SkipThresholdRow {
+  std::string content;  // of occupied blocks
+  double occupied = 0;  // share of the blocks
+  double none_ms = 0, block_ms = 0, distance_ms = 0;
 };
 
 struct SkipBenchResult {
@@ -67,6 +75,7 @@ struct SkipBenchResult {
   std::vector<SkipInitRow> inits;
   std::vector<SkipUpdateRow> updates;
   std::vector<SkipFrameRow> frames;
+  std::vector<SkipThresholdRow> thresholds;
   std::vector<std::string> published;  // lines of Table 1
 };
 
@@ -74,7 +83,10 @@ SkipBenchResult bench_skip(const SkipBenchOptions& options);
 
 std::string to_text(const SkipBenchResult& result);
 std::string to_json(const SkipBenchResult& result);
-/// Update times over partitions, one line per scene and method.
-std::string to_svg(const SkipBenchResult& result);
+/// Plots: update times (Table 1) and frame times (Figs. 4 and 5).
+std::string updates_svg(const SkipBenchResult& result);
+std::string frames_svg(const SkipBenchResult& result);
+/// Writes skip.txt, skip.json and the plots into a folder, which is made. Throws input_error if it cannot.
+void write_skip_bench(const SkipBenchResult& result, const std::filesystem::path& folder);
 
 }  // namespace brace

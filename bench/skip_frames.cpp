@@ -9,6 +9,7 @@
 #include "bench/skip_scenes.hpp"
 #include "runtime/host/stage_glsl.hpp"
 #include "runtime/raycast/cast_pipeline.hpp"
+#include "runtime/skip/choose_skip.hpp"
 
 namespace brace::bench {
 
@@ -112,13 +113,36 @@ class FrameBench {
   std::map<std::string, CastPipeline> pipelines_;
 };
 
-struct Variant {
-  std::string name;
-  SkipOptions options;
-};
+}  // namespace
 
-std::vector<Variant> variants() {
-  std::vector<Variant> result;
+std::vector<NamedTable> paper_tables() {
+  std::vector<NamedTable> tables;
+  for (int tf = 1; tf <= 6; ++tf)
+    tables.push_back({tf, skip_table(tf)});
+  return tables;
+}
+
+std::vector<NamedTable> tables_for(const VoxelStatistics& statistics) {
+  std::vector<NamedTable> tables;
+  for (const int tf : {0, 1, 3}) {
+    NamedTable named{tf, skip_table(tf == 0 ? 2 : tf)};
+    named.table.range = statistics.range;
+    // From the bottom up until no more than 1 % of the voxels show.
+    for (std::size_t i = 0; tf == 0 && occupied_fraction(statistics, named.table) > 0.01; ++i)
+      named.table.entries.at(i)[3] = 0.0;
+    tables.push_back(std::move(named));
+  }
+  return tables;
+}
+
+std::vector<FrameVariant> basic_variants() {
+  std::vector<FrameVariant> variants = all_variants();
+  variants.resize(3);
+  return variants;
+}
+
+std::vector<FrameVariant> all_variants() {
+  std::vector<FrameVariant> result;
   const auto add = [&](std::string name, SkipKind kind, int partitions,
                        Partitions placement = Partitions::uniform) {
     SkipOptions options;
@@ -138,27 +162,31 @@ std::vector<Variant> variants() {
   return result;
 }
 
-}  // namespace
-
 std::vector<SkipFrameRow> measure_frames(const gpu::Device& device, SkipKernels& kernels,
                                          const std::string& scene, const VolumeOnDevice& volume,
-                                         const VoxelStatistics& statistics, std::span<const int> tfs,
+                                         const VoxelStatistics& statistics,
+                                         std::span<const NamedTable> tables,
+                                         const std::vector<FrameVariant>& variants,
                                          const SkipBenchOptions& options) {
   FrameBench bench(device, volume, options);
+  std::map<int, std::string> chosen;
+  for (const NamedTable& named : tables) {
+    const double occupied = occupied_blocks(kernels, {volume, statistics}, named.table);
+    chosen[named.tf] = to_string(choose_skip({volume.info(), occupied, named.table}).options.kind);
+  }
   std::vector<SkipFrameRow> rows;
-  for (const Variant& variant : variants()) {
+  for (const FrameVariant& variant : variants) {
     if (skip_memory(volume.info(), variant.options).kept_bytes > options.memory_bytes_max) continue;
     const auto structure = make_skip_structure(kernels, {volume, statistics}, variant.options);
-    for (const int tf : tfs) {
-      const TransferTable table = skip_table(tf);
+    for (const auto& [tf, table] : tables) {
       if (structure) {
         gpu::CommandList commands(device, "update");
         structure->update(commands, table);
-        commands.barrier();
         gpu::submit_and_wait(commands);
       }
       const TransferOnDevice transfer(device, table, step_voxels);
       SkipFrameRow row{scene, tf, variant.name};
+      row.chosen = chosen.at(tf) == variant.name;
       row.ms = bench.frame_ms(variant.options.kind, true, transfer, structure.get());
       row.ms_without_termination = bench.frame_ms(variant.options.kind, false, transfer, structure.get());
       const WorkCounts work = bench.counted(variant.options.kind, transfer, structure.get());

@@ -5,15 +5,14 @@
 
 namespace brace::bench {
 
-namespace {
-
-/// A number of 0 … 255 from a voxel's place, the same everywhere.
 std::uint32_t noise(int x, int y, int z) {
   std::uint32_t h = static_cast<std::uint32_t>(x) * 0x9e3779b1u ^
                     static_cast<std::uint32_t>(y) * 0x85ebca77u ^ static_cast<std::uint32_t>(z) * 0xc2b2ae3du;
   h = (h ^ (h >> 15)) * 0x2c1b3c6du;
   return (h ^ (h >> 12)) >> 24;
 }
+
+namespace {
 
 int clamp_byte(double value) {
   return static_cast<int>(std::clamp(value, 1.0, 255.0));

@@ -27,4 +27,7 @@ std::unique_ptr<VolumeSource> open_skip_scene(const SkipScene& scene);
 /// and fourth quarter, and two ramps as read off its pictures.
 TransferTable skip_table(int number);
 
+/// A number of 0 … 255 from a place, the same everywhere.
+std::uint32_t noise(int x, int y, int z);
+
 }  // namespace brace::bench

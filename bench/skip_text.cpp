@@ -122,16 +122,27 @@ std::string medians_text(const SkipBenchResult& result) {
 }
 
 std::string frames_text(const SkipBenchResult& result) {
-  std::string text = fmt::format("{:24}{:>4}  {:30}{:>10}{:>14}{:>9}{:>11}{:>11}\n", "scene", "TF",
+  std::string text = fmt::format("{:34}{:>5}  {:30}{:>10}{:>14}{:>9}{:>11}{:>11}\n", "scene", "TF",
                                  "structure", "ms", "ms to the end", "ratio", "M samples", "M look-ups");
   double none_ms = 0;
   for (const SkipFrameRow& row : result.frames) {
     for (const SkipFrameRow& other : result.frames)
       if (other.scene == row.scene && other.tf == row.tf && other.stage == "none") none_ms = other.ms;
-    text += fmt::format("{:24}{:>4}  {:30}{:10.2f}{:14.2f}{:>9}{:11.2f}{:11.2f}\n", row.scene,
-                        fmt::format("TF{}", row.tf), row.stage, row.ms, row.ms_without_termination,
-                        ratio(none_ms, row.ms), row.samples_m, row.skip_steps_m);
+    text += fmt::format("{:34}{:>5}  {:30}{:10.2f}{:14.2f}{:>9}{:11.2f}{:11.2f}{}\n", row.scene,
+                        row.tf == 0 ? "1 %" : fmt::format("TF{}", row.tf), row.stage, row.ms,
+                        row.ms_without_termination, ratio(none_ms, row.ms), row.samples_m, row.skip_steps_m,
+                        row.chosen ? "  auto" : "");
   }
+  return text;
+}
+
+std::string thresholds_text(const SkipBenchResult& result) {
+  std::string text = fmt::format("{:8}{:>11}{:>10}{:>10}{:>15}{:>13}{:>16}\n", "content", "occupied %",
+                                 "none ms", "block ms", "distance_map ms", "none/block", "none/distance");
+  for (const SkipThresholdRow& row : result.thresholds)
+    text += fmt::format("{:8}{:11.1f}{:10.2f}{:10.2f}{:15.2f}{:12.2f}x{:15.2f}x\n", row.content,
+                        100.0 * row.occupied, row.none_ms, row.block_ms, row.distance_ms,
+                        row.none_ms / row.block_ms, row.none_ms / row.distance_ms);
   return text;
 }
 
@@ -147,7 +158,12 @@ std::string to_text(const SkipBenchResult& result) {
   if (!result.updates.empty())
     text += "Update at a change of the transfer function, ms on the device\n" + updates_text(result) + "\n" +
             medians_text(result) + "\n";
-  if (!result.frames.empty()) text += "Frames, mean over two rotations\n" + frames_text(result);
+  if (!result.frames.empty())
+    text += "Frames, mean over two rotations; ratio to none; auto: what skip/auto takes\n" +
+            frames_text(result) + "\n";
+  if (!result.thresholds.empty())
+    text +=
+        "Where skipping stops to pay: frames over the share of occupied blocks\n" + thresholds_text(result);
   return text;
 }
 
@@ -186,54 +202,15 @@ std::string to_json(const SkipBenchResult& result) {
                               {"ms", row.ms},
                               {"ms_without_termination", row.ms_without_termination},
                               {"samples_m", row.samples_m},
-                              {"skip_steps_m", row.skip_steps_m}});
+                              {"skip_steps_m", row.skip_steps_m},
+                              {"chosen", row.chosen}});
+  for (const SkipThresholdRow& row : result.thresholds)
+    json["thresholds"].push_back({{"content", row.content},
+                                  {"occupied", row.occupied},
+                                  {"none_ms", row.none_ms},
+                                  {"block_ms", row.block_ms},
+                                  {"distance_ms", row.distance_ms}});
   return json.dump(2);
-}
-
-std::string to_svg(const SkipBenchResult& result) {
-  // Bars, a group per scene and transfer function, milliseconds on a logarithmic axis from 0.01 to 10,000.
-  struct Bar {
-    const char* colour;
-    double ms;
-  };
-  constexpr double height = 300, bar = 9, left = 50;
-  const auto y_of = [](double ms) {
-    return height - 20 - (std::log10(std::clamp(ms, 0.01, 1e4)) + 2) / 6 * 250;
-  };
-  std::string bars;
-  double x = left;
-  for (const SkipUpdateRow& row : result.updates) {
-    std::vector<Bar> group = {
-        {"#888888", row.published_ms}, {"#4477aa", row.recomputed_ms}, {"#66ccee", row.bitmask_ms}};
-    for (const auto& merge : row.merges)
-      if (merge.partitions == 64) {
-        group.push_back({"#ccbb44", merge.paper_ms});
-        group.push_back({"#ee6677", merge.merge_ms});
-        group.push_back({"#aa3377", merge.tree_ms});
-      }
-    for (const Bar& b : group) {
-      if (b.ms >= 0)
-        bars += fmt::format("<rect x='{:.0f}' y='{:.1f}' width='{:.0f}' height='{:.1f}' fill='{}'/>\n", x,
-                            y_of(b.ms), bar - 1, height - 20 - y_of(b.ms), b.colour);
-      x += bar;
-    }
-    bars +=
-        fmt::format("<text x='{:.0f}' y='{}'>{} TF{}</text>\n", x - bar * 6, height - 6, row.scene, row.tf);
-    x += bar;
-  }
-  for (int power = -2; power <= 4; ++power)
-    bars += fmt::format(
-        "<text x='4' y='{0:.1f}'>{1:g} ms</text><path d='M{2} {0:.1f}H{3:.0f}' stroke='#ccc' "
-        "stroke-width='0.5'/>\n",
-        y_of(std::pow(10.0, power)), std::pow(10.0, power), left, x);
-  return fmt::format(
-      "<svg xmlns='http://www.w3.org/2000/svg' width='{0:.0f}' height='{1:.0f}' font-family='sans-serif' "
-      "font-size='9'>\n<rect width='{0:.0f}' height='{1:.0f}' fill='white'/>\n<text x='{2}' y='12'>Update at "
-      "a change "
-      "of the transfer function: as published (grey), recomputed (blue), bitmask (light blue); 64 "
-      "partitions: the "
-      "paper's merge (yellow), one pass (red), segment tree (purple)</text>\n{3}</svg>\n",
-      std::max(x, 760.0) + 10, height, left, bars);
 }
 
 }  // namespace brace

@@ -68,7 +68,13 @@ std::string run_skip(const BenchCommand& command) {
     options.repetitions = 3;
     options.views = 2;
   }
+  if (!command.scenes.empty()) options.scenes = command.scenes;
+  if (!command.parts.empty()) options.parts = command.parts;
+  if (!command.partitions.empty()) options.partitions = command.partitions;
+  options.volumes = command.volumes;
+  options.viewport_px = command.viewport_px;
   const SkipBenchResult result = bench_skip(options);
+  if (!command.out.empty()) write_skip_bench(result, command.out);
   return command.json ? to_json(result) : to_text(result);
 }
 

@@ -64,6 +64,11 @@ struct BenchCommand {
   std::string gpu;
   bool json = false;
   bool quick = false;
+  // Of `skip` alone:
+  std::vector<std::string> scenes, parts, volumes;  // empty: all; all; none
+  std::vector<int> partitions;                      // empty: 16 … 256
+  int viewport_px = 128;
+  std::string out;  // folder for table and plots; "": none
 };
 int bench_command(const BenchCommand& command);
 

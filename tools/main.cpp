@@ -110,7 +110,19 @@ void add_bench(CLI::App& app, BenchCommand& command, Action& action) {
   add_gpu_option(*bench, command.gpu);
   bench->add_flag("--quick", command.quick, "Fewer repetitions: a first look, not a figure to quote");
   bench->add_flag("--json", command.json, "Print JSON");
-  bench->footer("Example:\n  brace bench raycast");
+  bench->add_option("--scene", command.scenes, "skip: head, insect or snake; may be given again")->take_all();
+  bench->add_option("--part", command.parts, "skip: updates, frames or threshold; may be given again")
+      ->take_all();
+  bench->add_option("--volume", command.volumes, "skip: a file or generator for frames beside the scenes")
+      ->take_all();
+  bench->add_option("--partitions", command.partitions, "skip: numbers of partitions")
+      ->take_all()
+      ->check(CLI::Range(1, 256));
+  bench->add_option("--viewport", command.viewport_px, "skip: edge of the picture in pixels")
+      ->check(CLI::Range(8, 4096))
+      ->capture_default_str();
+  bench->add_option("--out", command.out, "skip: folder for the table and the plots");
+  bench->footer("Examples:\n  brace bench raycast\n  brace bench skip --scene head --out skip-bench");
   bench->callback([&] { action = [&] { return bench_command(command); }; });
 }
 

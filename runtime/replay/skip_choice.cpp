@@ -50,6 +50,7 @@ void choose_skip_stage(const Session& session, SceneOnDevice& scene) {
   scene.skip_stage = *found;
   set_value(scene.skip_stage, "partitions", choice.options.partitions);
   set_value(scene.skip_stage, "range_minima", static_cast<int>(choice.options.range_minima));
+  set_value(scene.skip_stage, "placement", static_cast<int>(choice.options.placement));
   scene.skip_reason = choice.reason;
   fmt::print(stderr, "skip/auto: {}\n", choice.reason);
 }

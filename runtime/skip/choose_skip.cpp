@@ -16,6 +16,9 @@ SkipOptions options_of(SkipKind kind, int partitions, RangeMinima minima = Range
   options.kind = kind;
   options.partitions = partitions;
   options.range_minima = minima;
+  // Borders where the transfer functions in use turn: else the empty space shares a partition with what
+  // shows.
+  options.placement = Partitions::adaptive;
   return options;
 }
 
