@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <cstdlib>
 #include <functional>
 
 #include <fmt/core.h>
@@ -8,6 +9,7 @@
 #include "bench/costs.hpp"
 #include "bench/distort.hpp"
 #include "bench/host.hpp"
+#include "bench/integrators.hpp"
 #include "bench/raycast.hpp"
 #include "bench/replay.hpp"
 #include "bench/skip.hpp"
@@ -85,15 +87,25 @@ std::string run_costs(const BenchCommand& command) {
   return command.json ? to_json(result) : to_text(result);
 }
 
+std::string run_integrators(const BenchCommand& command) {
+  IntegratorBenchOptions options;
+  options.device = device_options(command);
+  options.data_folder = data_folder();
+  options.quick = command.quick;
+  if (const char* folder = std::getenv("BRACE_BENCH_VOLUMES"); folder != nullptr) options.volumes = folder;
+  const IntegratorBenchResult result = bench_integrators(options);
+  return command.json ? to_json(result) : to_text(result);
+}
+
 struct Benchmark {
   std::string name;
   std::function<std::string(const BenchCommand&)> run;
 };
 
 const std::vector<Benchmark>& benchmarks() {
-  static const std::vector<Benchmark> all = {{"raycast", run_raycast}, {"replay", run_replay},
-                                             {"distort", run_distort}, {"skip", run_skip},
-                                             {"costs", run_costs},     {"host", run_host}};
+  static const std::vector<Benchmark> all = {
+      {"raycast", run_raycast}, {"replay", run_replay}, {"distort", run_distort},        {"skip", run_skip},
+      {"costs", run_costs},     {"host", run_host},     {"integrators", run_integrators}};
   return all;
 }
 

@@ -87,6 +87,14 @@ struct CheckStageCommand {
 };
 int check_stage_command(const CheckStageCommand& command);
 
+struct VerifyCommand {
+  std::vector<std::string> groups;  // none: all
+  std::string out;                  // folder for report.html; "" for none
+  std::string gpu;
+  bool json = false;
+};
+int verify_command(const VerifyCommand& command);
+
 /// share/brace: $BRACE_DATA_DIR, else beside the program's bin/. Throws device_error when it is not there.
 std::filesystem::path data_folder();
 

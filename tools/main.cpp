@@ -106,7 +106,7 @@ void add_trace(CLI::App& app, TraceCommands& commands, Action& action) {
 void add_bench(CLI::App& app, BenchCommand& command, Action& action) {
   CLI::App* bench =
       app.add_subcommand("bench", "Measure this machine against published and installed rivals");
-  bench->add_option("name", command.name, "raycast, replay, distort, skip, costs or host")->required();
+  bench->add_option("name", command.name, "raycast, replay, distort, skip, costs, host or integrators")->required();
   add_gpu_option(*bench, command.gpu);
   bench->add_flag("--quick", command.quick, "Fewer repetitions: a first look, not a figure to quote");
   bench->add_flag("--json", command.json, "Print JSON");
@@ -124,6 +124,18 @@ void add_bench(CLI::App& app, BenchCommand& command, Action& action) {
   bench->add_option("--out", command.out, "skip: folder for the table and the plots");
   bench->footer("Examples:\n  brace bench raycast\n  brace bench skip --scene head --out skip-bench");
   bench->callback([&] { action = [&] { return bench_command(command); }; });
+}
+
+void add_verify(CLI::App& app, VerifyCommand& command, Action& action) {
+  CLI::App* verify =
+      app.add_subcommand("verify", "Verify the numerics: each claim with its figure and bound");
+  verify->add_option("groups", command.groups,
+                     "integrators, adaptive, stability, absorption, skipping, lenses, motion (default: all)");
+  verify->add_option("--out", command.out, "Folder to write report.html into");
+  add_gpu_option(*verify, command.gpu);
+  verify->add_flag("--json", command.json, "Print JSON");
+  verify->footer("Example:\n  brace verify --out runs/verify");
+  verify->callback([&] { action = [&] { return verify_command(command); }; });
 }
 
 void add_new_stage(CLI::App& app, NewStageCommand& command, Action& action) {
@@ -184,6 +196,7 @@ int main(int argc, char** argv) {
   DoctorCommand doctor;
   TraceCommands trace;
   BenchCommand bench;
+  VerifyCommand verify;
   NewStageCommand new_stage;
   CheckStageCommand check_stage;
   Action action;
@@ -192,6 +205,7 @@ int main(int argc, char** argv) {
   add_list(app, list, action);
   add_doctor(app, doctor, action);
   add_bench(app, bench, action);
+  add_verify(app, verify, action);
   add_new_stage(app, new_stage, action);
   add_check_stage(app, check_stage, action);
 

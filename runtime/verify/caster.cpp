@@ -16,8 +16,8 @@ class InMemory final : public VolumeSource {
 
  private:
   void produce(std::span<std::byte> out, int z_begin, int /*z_count*/) override {
-    std::memcpy(out.data(),
-                volume_.voxels.data() + static_cast<std::size_t>(z_begin) * info().slice_bytes(), out.size());
+    std::memcpy(out.data(), volume_.voxels.data() + static_cast<std::size_t>(z_begin) * info().slice_bytes(),
+                out.size());
   }
   const Volume& volume_;
 };
@@ -72,7 +72,7 @@ std::vector<CastRule> all_cast_rules() {
 struct Caster::Loaded {
   VolumeOnDevice volume;
   VoxelStatistics statistics;
-  std::map<SkipKind, std::unique_ptr<SkipStructure>> skips;
+  std::map<std::pair<SkipKind, Occupancy>, std::unique_ptr<SkipStructure>> skips;
 };
 
 Caster::Caster(const gpu::Device& device, std::filesystem::path data_folder)
@@ -81,6 +81,10 @@ Caster::Caster(const gpu::Device& device, std::filesystem::path data_folder)
       skip_kernels_(std::make_unique<SkipKernels>(device, data_folder_ / "kernels" / "skip")) {}
 
 Caster::~Caster() = default;
+
+void Caster::forget(const Volume& volume) {
+  volumes_.erase(&volume);
+}
 
 Caster::Loaded& Caster::loaded(const Volume& volume) {
   std::unique_ptr<Loaded>& entry = volumes_[&volume];
@@ -97,16 +101,14 @@ Caster::Loaded& Caster::loaded(const Volume& volume) {
 const CastPipeline& Caster::pipeline(const CastCase& wanted, const VolumeOnDevice& volume) {
   const auto defines = volume.defines();
   const CastRule& rule = wanted.rule;
-  const std::string key =
-      fmt::format("{} {} {} {} {} {} {}", defines.empty() ? "" : defines.front().first, rule.integrator,
-                  rule.preintegration, rule.step_voxels, rule.tolerance, rule.termination,
-                  to_string(wanted.skip));
+  const std::string key = fmt::format("{} {} {} {} {} {} {}", defines.empty() ? "" : defines.front().first,
+                                      rule.integrator, rule.preintegration, rule.step_voxels, rule.tolerance,
+                                      rule.termination, to_string(wanted.skip));
   const auto found = pipelines_.find(key);
   if (found != pipelines_.end()) return found->second;
   const std::filesystem::path stages = data_folder_ / "stages";
   const PipelineStage rays = with_defaults(stages / "rays/full_rate/stage.toml");
-  const PipelineStage skip =
-      with_defaults(stages / "skip" / to_string(wanted.skip) / "stage.toml");
+  const PipelineStage skip = with_defaults(stages / "skip" / to_string(wanted.skip) / "stage.toml");
   PipelineStage cast = with_defaults(stages / "cast/dvr/stage.toml");
   set(cast, "step_voxels", rule.step_voxels);
   set(cast, "termination_opacity", rule.termination);
@@ -150,13 +152,14 @@ CastResult Caster::operator()(const CastCase& wanted) {
   CastPipeline::Resources resources{on.volume, transfer, rays, target};
   gpu::CommandList commands(device_, "verification");
   if (wanted.skip != SkipKind::none) {
-    std::unique_ptr<SkipStructure>& skip = on.skips[wanted.skip];
+    std::unique_ptr<SkipStructure>& skip = on.skips[{wanted.skip, wanted.occupancy}];
     if (skip == nullptr) {
       SkipOptions options;
       options.kind = wanted.skip;
+      options.occupancy = wanted.occupancy;
       options.partitions = 16;
-      skip = make_skip_structure(*skip_kernels_,
-                                 {on.volume, on.statistics, std::span(&wanted.table, 1)}, options);
+      skip = make_skip_structure(*skip_kernels_, {on.volume, on.statistics, std::span(&wanted.table, 1)},
+                                 options);
     }
     skip->update(commands, wanted.table);
     resources.more = skip->bindings();

@@ -41,6 +41,7 @@ struct CastCase {
   std::vector<CastRay> rays;
   CastRule rule;
   SkipKind skip = SkipKind::none;
+  Occupancy occupancy = Occupancy::cell;
 };
 
 struct CastResult {
@@ -56,6 +57,8 @@ class Caster {
   ~Caster();
 
   CastResult operator()(const CastCase& wanted);
+  /// Gives back the device memory of a volume that goes.
+  void forget(const Volume& volume);
 
  private:
   struct Loaded;
