@@ -63,14 +63,14 @@ void measure(const gpu::Device& device, const CostBenchOptions& options, const C
   const Headset headset = make_headset(session.device, options.data_folder);
   const Pose head{};
   const VolumePlacement placement = place_volume(session.scene, head);
-  const std::unique_ptr<SceneOnDevice> scene = load_scene(device, session, replay, headset.profile.refresh);
+  const std::unique_ptr<SceneOnDevice> scene = load_scene(device, session, replay, headset, placement);
   EyeRenderer renderer(device, session, headset, *scene, placement, options.data_folder,
                        EyeRenderer::Counting::on);
   PanelDisplay display(device, headset, session.pipeline.at("warp"), options.data_folder);
   const EyePair eyes = make_eye_pair(device, headset.eye);
   samples.push_back(best_of(JobKind::cast, options.repetitions, [&] { return renderer.render(head, eyes); }));
   samples.push_back(
-      best_of(JobKind::warp, options.repetitions, [&] { return display.show(eyes, head, head); }));
+      best_of(JobKind::warp, options.repetitions, [&] { return display.show({eyes, head, head}); }));
 }
 
 std::string lower_case_name(const std::string& device) {

@@ -19,6 +19,7 @@ struct RunCommand {
   std::string out;               // "" for runs/SESSION
   std::optional<std::int64_t> frames;
   std::optional<std::uint64_t> seed;
+  std::optional<std::string> watchdog;
   std::string gpu;
   std::vector<std::string> plugin_path;
   bool json = false;

@@ -35,6 +35,8 @@ void add_run(CLI::App& app, RunCommand& command, Action& action) {
   run->add_option("--out", command.out, "Run directory to write (default: runs/SESSION)");
   run->add_option("--frames", command.frames, "Number of display vsyncs (default: to the end of the trace)");
   run->add_option("--seed", command.seed, "Seed of the tracker's noise");
+  run->add_option("--watchdog", command.watchdog,
+                  "Watch what stages do: outputs (results and deadlines), full (and memory), off");
   add_gpu_option(*run, command.gpu);
   add_plugin_path_option(*run, command.plugin_path);
   run->add_flag("--json", command.json, "Print the summary as JSON");

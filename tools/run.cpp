@@ -20,6 +20,7 @@ Overrides overrides_of(const RunCommand& command) {
     overrides.emplace_back(setting.substr(0, equals), setting.substr(equals + 1));
   }
   if (command.frames) overrides.emplace_back("run.frames", std::to_string(*command.frames));
+  if (command.watchdog) overrides.emplace_back("run.watchdog", *command.watchdog);
   if (command.seed) overrides.emplace_back("run.seed", std::to_string(*command.seed));
   return overrides;
 }
@@ -58,6 +59,11 @@ void print_headlines(const nlohmann::ordered_json& summary, const std::filesyste
   const auto& dssim = summary["dssim"];
   line("DSSIM", fmt::format("mean {}  p95 {}  max {}", number(dssim["mean"], "{:.4f}"),
                             number(dssim["p95"], "{:.4f}"), number(dssim["max"], "{:.4f}")));
+  for (const auto& fault : summary.value("watchdog", nlohmann::ordered_json::array())) {
+    line("watchdog",
+         fmt::format("{}: {}, {} times, first in frame {}", fault["stage"].get<std::string>(),
+                     fault["fault"].get<std::string>(), fault["count"].dump(), fault["first_frame"].dump()));
+  }
   line("report", (out / "report.html").string());
 }
 
@@ -71,14 +77,17 @@ int run_command(const RunCommand& command) {
   const std::filesystem::path out = command.out.empty()
                                         ? std::filesystem::path("runs") / sessions.front().session.name
                                         : std::filesystem::path(command.out);
-  const std::string summary = replay(
+  const ReplayOutcome outcome = replay(
       sessions,
       {data_folder(), command.gpu, BRACE_VERSION, {stages.find("warp", "none", "built in"), {}}, interrupted},
       out);
   if (command.json) {
-    fmt::print("{}\n", summary);
+    fmt::print("{}\n", outcome.summary_json);
   } else {
-    print_headlines(nlohmann::ordered_json::parse(summary), out);
+    print_headlines(nlohmann::ordered_json::parse(outcome.summary_json), out);
+  }
+  if (!outcome.failure.empty()) {
+    throw device_error("{}; the run is incomplete: {} holds it up to there", outcome.failure, out.string());
   }
   return static_cast<int>(ExitCode::done);
 }

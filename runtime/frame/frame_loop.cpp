@@ -97,8 +97,9 @@ Pose predict(const PredictStage& stage, std::span<const brace_tracker_sample> re
   const double reach = pose.position_m[0] + pose.position_m[1] + pose.position_m[2];
   if (result != BRACE_OK || !(std::abs(norm - 1) < 1e-6) || !std::isfinite(reach)) {
     throw device_error(
-        "the predict stage failed for t = {} ns (result {}, |q|^2 = {}): a finite unit pose is wanted",
-        to_ns(target), static_cast<int>(result), norm);
+        "{} failed in predict; expected BRACE_OK and a finite unit pose; found result {}, |q|^2 = {} for t = "
+        "{} ns",
+        stage.name, static_cast<int>(result), norm, to_ns(target));
   }
   return sim::from_abi(pose);
 }
@@ -212,8 +213,9 @@ void control_quality(Loop& loop, const JobRecord& cast) {
   const brace_result result = control.functions->update(control.self, &input, &quality);
   if (result != BRACE_OK || !(quality > 0 && quality <= 1)) {
     throw device_error(
-        "the control stage failed after frame {} (result {}, quality {}); accepted: 0 < quality <= 1",
-        cast.index, static_cast<int>(result), quality);
+        "{} failed in update; expected BRACE_OK and 0 < quality <= 1; found result {}, quality {} after "
+        "frame {}",
+        control.name, static_cast<int>(result), quality, cast.index);
   }
   loop.quality = quality;
   loop.missed_since_control = 0;

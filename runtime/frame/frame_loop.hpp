@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <string>
 
 #include "base/time.hpp"
 #include "hmd_sim/vsync.hpp"
@@ -57,10 +58,12 @@ struct FrameLoopConfig {
 struct PredictStage {
   const brace_predict_functions* functions = nullptr;
   void* self = nullptr;
+  std::string name = "the predict stage";  // file and stage, for messages
 };
 struct ControlStage {  // functions == nullptr: full quality always
   const brace_control_functions* functions = nullptr;
   void* self = nullptr;
+  std::string name = "the control stage";
 };
 
 struct FrameLoopInputs {

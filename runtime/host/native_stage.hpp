@@ -29,6 +29,8 @@ class NativeStage {
 
   explicit operator bool() const { return self_ != nullptr; }
   const std::string& id() const { return id_; }
+  /// "FILE: stage FAMILY/NAME", how messages begin.
+  std::string place() const { return origin_ + ": stage " + id_; }
   std::uint32_t kind() const { return descriptor_->kind; }
   bool is_active() const { return active_; }
 

@@ -99,6 +99,9 @@ StageGlsl stage_glsl(std::span<const PipelineStage* const> stages) {
     parameters += parameter_declarations(stage) + parameter_macros(*chosen);
     const auto constants = parameter_constants(*chosen);
     glsl.constants.insert(glsl.constants.end(), constants.begin(), constants.end());
+    // A native skip stage keeps a map of distances: the public hook reads it.
+    if (stage.native != nullptr && stage.family == "skip")
+      files["stage/skip.glsl"] = {"stage/skip.glsl", "#include \"brace/skip_distance.glsl\"\n"};
     if (stage.glsl_source.empty()) continue;
     files["stage/" + stage.family + ".glsl"] = gpu::read_glsl(stage.glsl_source, stage.glsl_source.string());
     folders.push_back(stage.glsl_source.parent_path());

@@ -15,10 +15,15 @@ constexpr std::size_t kCounts = 4;  // clauses that the kernel counts, in the or
 
 }  // namespace
 
+const char* to_string(WatchdogLevel level) {
+  return level == WatchdogLevel::off ? "off" : level == WatchdogLevel::outputs ? "outputs" : "full";
+}
+
 WatchdogLevel parse_watchdog_level(const std::string& text) {
-  static const std::vector<std::string> names = {"off", "outputs", "full"};
-  for (std::size_t i = 0; i < names.size(); ++i) {
-    if (text == names[i]) return static_cast<WatchdogLevel>(i);
+  std::vector<std::string> names;
+  for (const WatchdogLevel level : {WatchdogLevel::off, WatchdogLevel::outputs, WatchdogLevel::full}) {
+    if (text == to_string(level)) return level;
+    names.emplace_back(to_string(level));
   }
   throw input_error("'{}' is not a level of the watchdog{}; accepted: {}", text, did_you_mean(text, names),
                     join(names));

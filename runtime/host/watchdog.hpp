@@ -22,6 +22,7 @@ enum class WatchdogLevel {
 
 /// "off", "outputs" or "full"; throws input_error otherwise.
 WatchdogLevel parse_watchdog_level(const std::string& text);
+const char* to_string(WatchdogLevel level);
 
 enum class WatchdogClause {
   not_finite,    // NaN or Inf in a colour, NaN or -Inf in a depth

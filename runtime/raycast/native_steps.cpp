@@ -27,16 +27,6 @@ std::uint64_t ray_count(const RayBuffers& rays) {
   return static_cast<std::uint64_t>(rays.across) * static_cast<std::uint64_t>(rays.down);
 }
 
-brace_eye_view to_abi(const EyeView& view) {
-  return {brace::to_abi(view.world_from_eye),
-          view.tan_left,
-          view.tan_right,
-          view.tan_bottom,
-          view.tan_top,
-          static_cast<std::uint32_t>(view.width_px),
-          static_cast<std::uint32_t>(view.height_px)};
-}
-
 brace_area to_abi(const CastArea& area) {
   return {static_cast<std::uint32_t>(area.x), static_cast<std::uint32_t>(area.y),
           static_cast<std::uint32_t>(area.width), static_cast<std::uint32_t>(area.height)};
@@ -116,6 +106,16 @@ void watch_cast(const EyeCast& eye, std::int64_t cast_ns) {
 }
 
 }  // namespace
+
+brace_eye_view to_abi(const EyeView& view) {
+  return {brace::to_abi(view.world_from_eye),
+          view.tan_left,
+          view.tan_right,
+          view.tan_bottom,
+          view.tan_top,
+          static_cast<std::uint32_t>(view.width_px),
+          static_cast<std::uint32_t>(view.height_px)};
+}
 
 ActivationInput activation_input(const gpu::Device& device, const VolumeOnDevice& volume,
                                  const VolumePlacement& placement, const TransferTable& transfer,

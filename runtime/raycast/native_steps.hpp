@@ -13,6 +13,8 @@ namespace brace {
 
 // The braces with native stages in the place of kernels.
 
+brace_eye_view to_abi(const EyeView& view);
+
 /// Fills the parts of an activation that come from the scene: volume, transfer function, sizes.
 ActivationInput activation_input(const gpu::Device& device, const VolumeOnDevice& volume,
                                  const VolumePlacement& placement, const TransferTable& transfer,

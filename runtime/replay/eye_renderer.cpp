@@ -16,12 +16,6 @@ CastKernels session_kernels(const Session& session, const SceneOnDevice& scene,
   const std::array<const PipelineStage*, 4> stages = {&session.pipeline.at("rays"),
                                                       &session.pipeline.at("cast"), &scene.skip_stage,
                                                       &session.pipeline.at("stereo")};
-  for (const char* family : {"skip", "stereo"}) {
-    if (!is_native(session, family)) continue;
-    const StageInfo& stage = session.pipeline.at(family).stage;
-    throw input_error("{}: stage {} is a shared library's; accepted for pipeline.{}: GLSL stages",
-                      stage.origin.string(), stage.id(), family);
-  }
   StageGlsl glsl = stage_glsl(stages);
   CastParts parts;
   parts.glsl_folder = data_folder / "glsl";
@@ -43,6 +37,10 @@ WorkCounts sum(WorkCounts a, const WorkCounts& b) {
   return a;
 }
 
+std::uint64_t guard_bytes(const Watchdog* watchdog) {
+  return watchdog != nullptr && watchdog->watches_memory() ? watchdog_guard_bytes : 0;
+}
+
 std::int64_t total_ns(std::span<const gpu::Timing> timings) {
   std::int64_t total = 0;
   for (const gpu::Timing& timing : timings)
@@ -58,7 +56,7 @@ EyePair make_eye_pair(const gpu::Device& device, PictureSize size) {
 
 EyeRenderer::EyeRenderer(const gpu::Device& device, const Session& session, const Headset& headset,
                          const SceneOnDevice& scene, const VolumePlacement& placement,
-                         const std::filesystem::path& data_folder, Counting counting)
+                         const std::filesystem::path& data_folder, Counting counting, Watchdog* watchdog)
     : device_(device),
       session_(session),
       headset_(headset),
@@ -66,63 +64,88 @@ EyeRenderer::EyeRenderer(const gpu::Device& device, const Session& session, cons
       placement_(placement),
       counting_(counting),
       pipeline_(device, session_kernels(session, scene, data_folder, counting == Counting::on)),
-      rays_(device, headset.eye.width_px, headset.eye.height_px),
-      commands_(device, "eyes") {
+      rays_(device, headset.eye.width_px, headset.eye.height_px, guard_bytes(watchdog)),
+      commands_(device, "eyes"),
+      watchdog_(watchdog) {
   activate_native_stages();
+  if (watchdog == nullptr) return;
+  watchdog->arm_guard(rays_.colours);
+  watchdog->arm_guard(rays_.depths_m);
 }
 
 void EyeRenderer::transfer_changed() {
-  if (activation_ == nullptr) return;
-  native_rays_ = {};
-  native_cast_ = {};
-  activation_.reset();
+  native_rays_.reset();
+  native_cast_.reset();
+  native_stereo_.reset();
   activate_native_stages();
 }
 
 void EyeRenderer::activate_native_stages() {
-  const auto make = [&](const char* family, NativeStage& stage) {
+  const auto make = [&](const char* family, std::optional<ActiveStage>& stage) {
     if (!is_native(session_, family)) return;
-    if (activation_ == nullptr) {
-      ActivationInput input =
-          activation_input(device_, scene_.volume, placement_, scene_.table, step_voxels_of(session_),
-                           headset_.eye.width_px, headset_.eye.height_px);
-      if (session_.scene.shading == "phong") input.shading = BRACE_SHADING_PHONG;
-      OpenOptions as_on_device;
-      if (session_.scene.nan == "empty") as_on_device.non_finite = NonFinitePolicy::treat_as_empty;
-      input.open_volume = [as_on_device, source = session_.scene.volume] {
-        return open_volume(source, as_on_device);
-      };
-      activation_ = std::make_unique<StageActivation>(input);
-    }
-    stage = NativeStage(session_.pipeline.at(family));
-    try {
-      stage.activate(activation_->get());
-    } catch (const Error&) {
-      activation_->rethrow_read_error();
-      throw;
-    }
+    stage.emplace(session_.pipeline.at(family),
+                  scene_activation(device_, session_, headset_, scene_, placement_));
   };
   make("rays", native_rays_);
   make("cast", native_cast_);
+  make("stereo", native_stereo_);
 }
 
-JobOutcome EyeRenderer::render_with_native_stages(const Pose& world_from_head, const EyePair& into) {
+EyeCastOutcome EyeRenderer::cast_eye_by_steps(sim::Eye eye, const Pose& world_from_head,
+                                              const EyeTarget& target) {
+  const EyeView view = eye_view(headset_, eye, world_from_head);
+  CastPipeline::set_eye(device_, target, view, placement_, scene_.volume, scene_.transfer);
+  const CastPipeline::Resources resources{scene_.volume, scene_.transfer,        rays_,
+                                          target,        scene_.skip_bindings(), scene_.skip_map()};
+  const std::string rays_id = session_.pipeline.at("rays").stage.id();
+  const std::string cast_id = session_.pipeline.at("cast").stage.id();
+  return cast_eye({.device = device_,
+                   .pipeline = pipeline_,
+                   .resources = resources,
+                   .view = view,
+                   .eye = static_cast<std::uint32_t>(eye),
+                   .frame = frame_,
+                   .rays = native_rays_ ? &**native_rays_ : nullptr,
+                   .cast = native_cast_ ? &**native_cast_ : nullptr,
+                   .watchdog = watchdog_,
+                   .rays_id = &rays_id,
+                   .cast_id = &cast_id},
+                  commands_, host_rays_);
+}
+
+std::int64_t EyeRenderer::compose_right_eye(const Pose& world_from_head, const EyePair& into) {
+  const EyeTarget& left = into[0];
+  const EyeTarget& right = into[1];
+  const EyeView right_view = eye_view(headset_, sim::Eye::right, world_from_head);
+  CastPipeline::set_eye(device_, right, right_view, placement_, scene_.volume, scene_.transfer);
+  commands_.reset();
+  commands_.begin_timing("stereo");
+  brace_stereo_frame frame{};
+  frame.struct_size = sizeof frame;
+  frame.frame = frame_;
+  frame.commands = commands_.hand_out();
+  frame.left = to_abi(eye_view(headset_, sim::Eye::left, world_from_head));
+  frame.right = to_abi(right_view);
+  frame.left_params = buffer_range(left.params);
+  frame.right_params = buffer_range(right.params);
+  frame.left_image = buffer_range(left.image);
+  frame.left_depth_m = buffer_range(left.depth);
+  frame.right_image = buffer_range(right.image);
+  frame.right_depth_m = buffer_range(right.depth);
+  (*native_stereo_)->stereo(frame);
+  commands_.barrier();
+  commands_.end_timing();
+  return total_ns(gpu::submit_and_wait(commands_));
+}
+
+JobOutcome EyeRenderer::render_by_steps(const Pose& world_from_head, const EyePair& into) {
   JobOutcome outcome;
   for (const sim::Eye eye : sim::all_eyes) {
-    const EyeTarget& target = into[static_cast<std::size_t>(eye)];
-    const EyeView view = eye_view(headset_, eye, world_from_head);
-    CastPipeline::set_eye(device_, target, view, placement_, scene_.volume, scene_.transfer);
-    const CastPipeline::Resources resources{scene_.volume, scene_.transfer,        rays_,
-                                            target,        scene_.skip_bindings(), scene_.skip_map()};
-    const EyeCast cast{.device = device_,
-                       .pipeline = pipeline_,
-                       .resources = resources,
-                       .view = view,
-                       .eye = static_cast<std::uint32_t>(eye),
-                       .frame = frame_,
-                       .rays = native_rays_ ? &native_rays_ : nullptr,
-                       .cast = native_cast_ ? &native_cast_ : nullptr};
-    const EyeCastOutcome done = cast_eye(cast, commands_, host_rays_);
+    if (native_stereo_ && eye == sim::Eye::right) {
+      outcome.device_time += SimDuration(compose_right_eye(world_from_head, into));
+      continue;
+    }
+    const EyeCastOutcome done = cast_eye_by_steps(eye, world_from_head, into[static_cast<std::size_t>(eye)]);
     outcome.device_time += SimDuration(done.time_ns);
     outcome.work = sum(outcome.work, done.counted);
   }
@@ -133,7 +156,8 @@ JobOutcome EyeRenderer::render_with_native_stages(const Pose& world_from_head, c
 
 JobOutcome EyeRenderer::render(const Pose& world_from_head, const EyePair& into) {
   if (counting_ == Counting::on) pipeline_.reset_counters(device_);
-  if (activation_ != nullptr) return render_with_native_stages(world_from_head, into);
+  if (native_rays_ || native_cast_ || native_stereo_ || watchdog_ != nullptr)
+    return render_by_steps(world_from_head, into);
   commands_.reset();
   for (const sim::Eye eye : sim::all_eyes) {
     const EyeTarget& target = into[static_cast<std::size_t>(eye)];

@@ -2,12 +2,14 @@
 
 #include <array>
 #include <memory>
+#include <optional>
 
 #include "runtime/frame/frame_work.hpp"
 #include "runtime/raycast/cast_pipeline.hpp"
 #include "runtime/raycast/native_steps.hpp"
 #include "runtime/replay/headset.hpp"
 #include "runtime/replay/scene.hpp"
+#include "runtime/replay/scene_activation.hpp"
 
 namespace brace {
 
@@ -21,11 +23,12 @@ class EyeRenderer {
  public:
   enum class Counting { off, on };
 
-  /// The session's stages for rays, cast and skip are taken from its pipeline; rays and cast may be native.
-  /// Throws input_error for another native one, device_error when a stage cannot be activated.
+  /// The session's stages for rays, cast, skip and stereo are taken from its pipeline; any may be native.
+  /// Throws device_error when a stage cannot be activated. `watchdog` may be null; what it watches is checked
+  /// after every eye.
   EyeRenderer(const gpu::Device& device, const Session& session, const Headset& headset,
               const SceneOnDevice& scene, const VolumePlacement& placement,
-              const std::filesystem::path& data_folder, Counting counting);
+              const std::filesystem::path& data_folder, Counting counting, Watchdog* watchdog = nullptr);
 
   JobOutcome render(const Pose& world_from_head, const EyePair& into);
 
@@ -35,7 +38,9 @@ class EyeRenderer {
 
  private:
   void activate_native_stages();
-  JobOutcome render_with_native_stages(const Pose& world_from_head, const EyePair& into);
+  JobOutcome render_by_steps(const Pose& world_from_head, const EyePair& into);
+  EyeCastOutcome cast_eye_by_steps(sim::Eye eye, const Pose& world_from_head, const EyeTarget& target);
+  std::int64_t compose_right_eye(const Pose& world_from_head, const EyePair& into);
 
   const gpu::Device& device_;
   const Session& session_;
@@ -47,11 +52,10 @@ class EyeRenderer {
   RayBuffers rays_;
   gpu::CommandList commands_;
 
-  // Empty where the pipeline's kernels do the work. The stages are deactivated before what they point to
-  // goes.
-  std::unique_ptr<StageActivation> activation_;
-  NativeStage native_rays_, native_cast_;
+  // Empty where the pipeline's kernels do the work.
+  std::optional<ActiveStage> native_rays_, native_cast_, native_stereo_;
   HostRays host_rays_;
+  Watchdog* watchdog_ = nullptr;
   std::uint64_t frame_ = 0;
 };
 

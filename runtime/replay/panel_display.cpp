@@ -1,6 +1,5 @@
 #include "runtime/replay/panel_display.hpp"
 
-#include "base/error.hpp"
 #include "runtime/host/stage_glsl.hpp"
 
 namespace brace {
@@ -22,10 +21,6 @@ LensTraits headset_traits(const Headset& headset) {
 
 gpu::KernelDescription display_kernel(const PipelineStage& warp, const LensTraits& lens,
                                       const std::filesystem::path& data_folder) {
-  if (warp.stage.native != nullptr) {
-    throw input_error("{}: stage {} is a shared library's; accepted for pipeline.warp: GLSL stages",
-                      warp.stage.origin.string(), warp.stage.id());
-  }
   const std::array<const PipelineStage*, 1> stages = {&warp};
   StageGlsl glsl = stage_glsl(stages);
   DisplayParts parts;
@@ -52,14 +47,29 @@ PanelDisplay::PanelDisplay(const gpu::Device& device, const Headset& headset, co
   }
 }
 
-JobOutcome PanelDisplay::show(const EyePair& eyes, const Pose& render_pose, const Pose& warp_pose) {
+PanelDisplay::PanelDisplay(const gpu::Device& device, const Headset& headset, const PipelineStage& warp,
+                           const PipelineStage& no_warp, const ActivationInput& activation,
+                           const std::filesystem::path& data_folder)
+    : PanelDisplay(device, headset, warp.stage.native != nullptr ? no_warp : warp, data_folder) {
+  if (warp.stage.native != nullptr) native_warp_.emplace(device, warp, activation, headset.eye);
+}
+
+JobOutcome PanelDisplay::show(const PanelImage& image) {
   commands_.reset();
   commands_.begin_timing("display");
   for (const sim::Eye eye : sim::all_eyes) {
     const auto i = static_cast<std::size_t>(eye);
     const Pose& head_from_eye = headset_.profile.eye(eye).head_from_eye;
-    panels_[i].set_poses(device_, compose(render_pose, head_from_eye), compose(warp_pose, head_from_eye));
-    pipeline_.record(commands_, panels_[i], eyes[i].image_texels);
+    panels_[i].set_poses(device_, compose(image.render_world_from_head, head_from_eye),
+                         compose(image.warp_world_from_head, head_from_eye));
+    if (native_warp_) {
+      native_warp_->record(
+          commands_, headset_,
+          {eye, image.render_world_from_head, image.warp_world_from_head, image.frame, image.vsync_index},
+          image.eyes[i]);
+    }
+    pipeline_.record(commands_, panels_[i],
+                     native_warp_ ? native_warp_->picture(eye) : image.eyes[i].image_texels);
   }
   commands_.end_timing();
   commands_.barrier();
@@ -74,6 +84,9 @@ WorkCounts PanelDisplay::work() const {
   WorkCounts work;
   for (const PanelTarget& panel : panels_)
     work.texels += panel.pixels_written();
+  if (native_warp_)
+    work.texels += 2 * static_cast<std::uint64_t>(headset_.eye.width_px) *
+                   static_cast<std::uint64_t>(headset_.eye.height_px);
   return work;
 }
 

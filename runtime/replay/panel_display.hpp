@@ -1,27 +1,41 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <vector>
 
 #include "base/image.hpp"
 #include "runtime/display/display_pipeline.hpp"
 #include "runtime/frame/frame_work.hpp"
 #include "runtime/replay/eye_renderer.hpp"
+#include "runtime/replay/native_warp.hpp"
 
 namespace brace {
 
 /// What the panels of both eyes show, indexed by sim::Eye.
 using PanelPair = std::array<ImageRgba8, 2>;
 
+/// One display image: eye frames rendered from one head pose, shown to a head at another.
+struct PanelImage {
+  const EyePair& eyes;
+  Pose render_world_from_head{}, warp_world_from_head{};
+  std::int64_t frame = 0;
+  std::int64_t vsync_index = 0;
+};
+
 /// The panels of a session's headset behind one warp stage. Device and headset must outlive it.
 class PanelDisplay {
  public:
+  /// `warp` is a GLSL stage.
   PanelDisplay(const gpu::Device& device, const Headset& headset, const PipelineStage& warp,
                const std::filesystem::path& data_folder);
+  /// `warp` is any; a native one is activated with `activation`, and its pictures are shown by `no_warp`.
+  PanelDisplay(const gpu::Device& device, const Headset& headset, const PipelineStage& warp,
+               const PipelineStage& no_warp, const ActivationInput& activation,
+               const std::filesystem::path& data_folder);
 
-  /// Warps, distorts and keeps the panels' pictures: `eyes` were rendered from `render_pose`, the head is now
-  /// at `warp_pose`.
-  JobOutcome show(const EyePair& eyes, const Pose& render_pose, const Pose& warp_pose);
+  /// Warps, distorts and keeps the panels' pictures.
+  JobOutcome show(const PanelImage& image);
 
   /// The panels' pictures after the last show().
   PanelPair read() const;
@@ -36,6 +50,7 @@ class PanelDisplay {
   const Headset& headset_;
   LensTraits lens_;
   DisplayPipeline pipeline_;
+  std::optional<NativeWarp> native_warp_;
   std::array<PanelTarget, 2> panels_;
   gpu::CommandList commands_;
 };

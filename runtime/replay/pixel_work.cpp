@@ -8,20 +8,26 @@
 
 namespace brace {
 
+PixelWork::Ideal::Ideal(const Inputs& in)
+    : renderer(in.device, in.session, in.headset, in.scene, in.placement, in.data_folder,
+               EyeRenderer::Counting::off),
+      display(in.device, in.headset, in.no_warp, in.data_folder),
+      eyes(make_eye_pair(in.device, in.headset.eye)) {}
+
 PixelWork::PixelWork(const Inputs& inputs)
     : in_(inputs),
       error_at_(inputs.session.output.error, inputs.vsyncs),
       pictures_at_(inputs.session.output.images, inputs.vsyncs),
       renderer_(inputs.device, inputs.session, inputs.headset, inputs.scene, inputs.placement,
-                inputs.data_folder, EyeRenderer::Counting::on),
-      display_(inputs.device, inputs.headset, inputs.session.pipeline.at("warp"), inputs.data_folder) {
+                inputs.data_folder, EyeRenderer::Counting::on, inputs.watchdog),
+      display_(
+          inputs.device, inputs.headset, inputs.session.pipeline.at("warp"), inputs.no_warp,
+          scene_activation(inputs.device, inputs.session, inputs.headset, inputs.scene, inputs.placement),
+          inputs.data_folder) {
   for (EyePair& slot : slots_)
     slot = make_eye_pair(inputs.device, inputs.headset.eye);
   if (!error_at_.any()) return;
-  ideal_.emplace(Ideal{EyeRenderer(in_.device, in_.session, in_.headset, in_.scene, in_.placement,
-                                   in_.data_folder, EyeRenderer::Counting::off),
-                       PanelDisplay(in_.device, in_.headset, in_.no_warp, in_.data_folder),
-                       make_eye_pair(in_.device, in_.headset.eye)});
+  ideal_.emplace(in_);
   for (const sim::Eye eye : sim::all_eyes) {
     visible_[static_cast<std::size_t>(eye)] = visible_pixels(in_.headset, eye);
   }
@@ -45,7 +51,8 @@ JobOutcome PixelWork::cast(const CastRequest& request) {
 JobOutcome PixelWork::warp(const WarpRequest& request) {
   const EyePair& eyes = slots_[static_cast<std::size_t>(request.slot)];
   const JobOutcome outcome =
-      display_.show(eyes, request.render_world_from_head, request.warp_world_from_head);
+      display_.show({eyes, request.render_world_from_head, request.warp_world_from_head, request.frame,
+                     request.vsync_index});
   if (error_at_.any() || pictures_at_.any()) waiting_ = display_.read();
   return outcome;
 }
@@ -64,7 +71,7 @@ ShowOutcome PixelWork::measure_error(const ShowRequest& request) {
   const bool differs = request.transfer_version != shown_version;
   if (differs) show_transfer(request.transfer_version);
   ideal_->renderer.render(true_world_from_head, ideal_->eyes);
-  ideal_->display.show(ideal_->eyes, true_world_from_head, true_world_from_head);
+  ideal_->display.show({ideal_->eyes, true_world_from_head, true_world_from_head});
   const PanelPair ideal = ideal_->display.read();
   if (differs) show_transfer(shown_version);  // what is cast next still shows it
   return {dssim_from_ssim(ssim(shown_[0], ideal[0], visible_[0])),

@@ -29,6 +29,7 @@ class PixelWork final : public FrameWork {
     std::int64_t vsyncs = 0;       // of the whole run
     RunDirectory& run;             // where pictures go
     std::string picture_folder;    // in the run directory
+    Watchdog* watchdog = nullptr;  // of the eye frames
   };
   explicit PixelWork(const Inputs& inputs);
 
@@ -42,6 +43,7 @@ class PixelWork final : public FrameWork {
  private:
   /// An ideal render: full quality, the true pose and transfer function of photon time, no warp.
   struct Ideal {
+    explicit Ideal(const Inputs& in);
     EyeRenderer renderer;
     PanelDisplay display;
     EyePair eyes;

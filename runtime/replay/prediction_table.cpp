@@ -12,9 +12,11 @@ ReportTable prediction_table(const Session& session, const HeadTrace& head_trace
   const brace_predict_functions& functions = stage.predict_functions();
   const auto predict = [&](std::span<const brace_tracker_sample> history, SimTime target) {
     brace_pose pose{};
-    if (functions.predict(stage.self(), history.data(), static_cast<std::uint32_t>(history.size()),
-                          to_ns(target), &pose) != BRACE_OK) {
-      throw device_error("stage {} failed", session.pipeline.at("predict").stage.id());
+    const brace_result result = functions.predict(
+        stage.self(), history.data(), static_cast<std::uint32_t>(history.size()), to_ns(target), &pose);
+    if (result != BRACE_OK) {
+      throw device_error("{} failed in predict; expected BRACE_OK; found result {} for t = {} ns",
+                         stage.place(), static_cast<int>(result), to_ns(target));
     }
     return sim::from_abi(pose);
   };

@@ -9,6 +9,7 @@
 #include "base/error.hpp"
 #include "runtime/replay/prediction_table.hpp"
 #include "runtime/replay/series.hpp"
+#include "runtime/replay/series_work.hpp"
 #include "runtime/report/summary.hpp"
 
 namespace brace {
@@ -56,6 +57,33 @@ std::vector<Fact> run_facts(const Session& session, const HeadTrace& head_trace,
   return facts;
 }
 
+/// A predictor that fails here does not take the run's data with it.
+void add_prediction_table(const Session& session, const HeadTrace& head_trace, const Headset& headset,
+                          ReportInput& input) {
+  if (!input.failure.empty()) return;
+  try {
+    input.tables.push_back(prediction_table(session, head_trace, headset));
+  } catch (const Error& error) {
+    if (error.exit_code() != ExitCode::device_or_plugin_failed) throw;
+    input.failure = error.what();
+  }
+}
+
+ReportTable fault_table(const std::vector<Series>& all) {
+  ReportTable table{"Watchdog", "", {"Stage", "Fault", "Count", "First frame"}, {}};
+  for (const Series& series : all) {
+    for (const WatchdogReport& fault : series.faults) {
+      const std::string stage = series.label.empty() ? fault.stage : series.label + ": " + fault.stage;
+      table.rows.push_back(
+          {stage, fault.clause, std::to_string(fault.count), std::to_string(fault.first_frame)});
+    }
+  }
+  table.note = table.rows.empty()
+                   ? "Every stage kept to the rules."
+                   : "Counts are of rays, words of memory or jobs; the frame is that of the job.";
+  return table;
+}
+
 ReportInput report_input(const std::vector<LabelledSession>& sessions, const std::vector<Series>& all,
                          const Headset& headset, const HeadTrace& head_trace, const ReplayOptions& options) {
   const Session& session = sessions.front().session;
@@ -79,18 +107,25 @@ ReportInput report_input(const std::vector<LabelledSession>& sessions, const std
     run.records = series.records.frames();
     run.jobs = series.jobs;
     run.pictures = series.pictures;
+    for (const WatchdogReport& fault : series.faults)
+      run.faults.push_back({fault.stage, fault.clause, fault.count, fault.first_frame});
+    if (!series.failure.empty()) input.failure = series.failure;
     input.series.push_back(std::move(run));
   }
   input.facts = run_facts(session, head_trace, headset, all.front());
-  input.tables.push_back(prediction_table(session, head_trace, headset));
+  add_prediction_table(session, head_trace, headset, input);
+  if (session.run.watchdog != WatchdogLevel::off) {
+    input.watchdog = to_string(session.run.watchdog);
+    input.tables.push_back(fault_table(all));
+  }
   input.session_toml = session.resolved_toml;
   return input;
 }
 
 }  // namespace
 
-std::string replay(const std::vector<LabelledSession>& sessions, const ReplayOptions& options,
-                   const std::filesystem::path& destination) {
+ReplayOutcome replay(const std::vector<LabelledSession>& sessions, const ReplayOptions& options,
+                     const std::filesystem::path& destination) {
   BRACE_CHECK(!sessions.empty());
   const auto begin = std::chrono::steady_clock::now();
   RunDirectory run(destination);
@@ -103,9 +138,11 @@ std::string replay(const std::vector<LabelledSession>& sessions, const ReplayOpt
     Headset own_headset = make_headset(labelled.session.device, options.data_folder);
     HeadTrace own_trace = load_head_trace(labelled.session.trace, options.data_folder);
     all.push_back(replay_series(labelled, options, own_headset, own_trace, device ? &*device : nullptr, run));
-    if (headset) continue;
-    headset.emplace(std::move(own_headset));
-    head_trace.emplace(std::move(own_trace));
+    if (!headset) {
+      headset.emplace(std::move(own_headset));
+      head_trace.emplace(std::move(own_trace));
+    }
+    if (!all.back().failure.empty()) break;
   }
   ReportInput input = report_input(sessions, all, *headset, *head_trace, options);
   input.host = host_figures(begin, device ? &*device : nullptr);
@@ -114,7 +151,7 @@ std::string replay(const std::vector<LabelledSession>& sessions, const ReplayOpt
   }
   write_run(run, input, options.data_folder / "report");
   run.commit();
-  return summary_json(input);
+  return {summary_json(input), input.failure};
 }
 
 }  // namespace brace

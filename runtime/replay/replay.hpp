@@ -34,9 +34,15 @@ struct LabelledSession {
   Session session;
 };
 
-/// Replays the sessions and writes one run directory for all of them; the first one is the run's own. Returns
-/// the text of summary.json. Throws brace::Error or Interrupted; then there is no run directory.
-std::string replay(const std::vector<LabelledSession>& sessions, const ReplayOptions& options,
-                   const std::filesystem::path& destination);
+struct ReplayOutcome {
+  std::string summary_json;
+  std::string failure;  // "" or what ended the run early; the run directory then says that it is incomplete
+};
+
+/// Replays the sessions and writes one run directory for all of them; the first one is the run's own. A stage
+/// or device that fails after vsyncs have been shown ends the run there. Throws brace::Error or Interrupted;
+/// then there is no run directory.
+ReplayOutcome replay(const std::vector<LabelledSession>& sessions, const ReplayOptions& options,
+                     const std::filesystem::path& destination);
 
 }  // namespace brace

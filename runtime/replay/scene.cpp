@@ -4,6 +4,7 @@
 
 #include "runtime/gpu/shader_compiler.hpp"
 #include "runtime/replay/cast_integrator.hpp"
+#include "runtime/replay/native_skip.hpp"
 #include "runtime/replay/skip_choice.hpp"
 #include "runtime/report/progress.hpp"
 
@@ -12,9 +13,19 @@ namespace brace {
 namespace {
 
 void build_skip_structure(const gpu::Device& device, const Session& session,
-                          const std::filesystem::path& data_folder, SceneOnDevice& scene) {
+                          const std::filesystem::path& data_folder, const Headset& headset,
+                          const VolumePlacement& placement, SceneOnDevice& scene) {
   scene.skip_kernels = std::make_unique<SkipKernels>(device, data_folder / "kernels" / "skip");
   choose_skip_stage(session, scene);
+  if (scene.skip_stage.stage.native != nullptr) {
+    auto stage = std::make_unique<ActiveStage>(scene.skip_stage,
+                                               scene_activation(device, session, headset, scene, placement));
+    const SkipScene seen{scene.volume, scene.statistics};
+    auto skip = std::make_unique<NativeSkip>(*scene.skip_kernels, seen, std::move(stage));
+    scene.skip_memory = fmt::format("{} bytes: a map of distances", skip->device_bytes());
+    scene.skip = std::move(skip);
+    return;
+  }
   // Structures belong to the stages that come with Brace; one of another origin works with what is bound
   // anyway.
   const std::string ours = (data_folder / "stages").string();
@@ -58,7 +69,8 @@ double step_voxels_of(const Session& session) {
 }
 
 std::unique_ptr<SceneOnDevice> load_scene(const gpu::Device& device, const Session& session,
-                                          const ReplayOptions& options, sim::Rate refresh) {
+                                          const ReplayOptions& options, const Headset& headset,
+                                          const VolumePlacement& placement) {
   const Session::Scene& wanted = session.scene;
   OpenOptions open;
   open.non_finite = wanted.nan == "empty" ? NonFinitePolicy::treat_as_empty : NonFinitePolicy::reject;
@@ -82,13 +94,14 @@ std::unique_ptr<SceneOnDevice> load_scene(const gpu::Device& device, const Sessi
       wanted.size_m * voxel_length(info) / *std::max_element(edges.begin(), edges.end());
   TableLayout layout = table_layout(info.type, range);
   if (wanted.table_entries) layout.entries = *wanted.table_entries;
-  scene->versions = TransferVersions(wanted, refresh, options.data_folder / "transfer_functions",
-                                     {range, voxel_length_m, layout});
+  scene->versions =
+      TransferVersions(wanted, headset.profile.refresh, options.data_folder / "transfer_functions",
+                       {range, voxel_length_m, layout});
   scene->table = scene->versions.table(0);
   scene->step_units = step_voxels_of(session);
-  scene->transfer = TransferOnDevice(device, scene->table, scene->step_units,
-                                      transfer_extras(session.pipeline.at("cast")));
-  build_skip_structure(device, session, options.data_folder, *scene);
+  scene->transfer =
+      TransferOnDevice(device, scene->table, scene->step_units, transfer_extras(session.pipeline.at("cast")));
+  build_skip_structure(device, session, options.data_folder, headset, placement, *scene);
   scene->show_transfer(device, 0);
   return scene;
 }

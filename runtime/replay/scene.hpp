@@ -8,6 +8,7 @@
 #include "runtime/frame/frame_work.hpp"
 #include "runtime/raycast/transfer_on_device.hpp"
 #include "runtime/raycast/volume_on_device.hpp"
+#include "runtime/replay/headset.hpp"
 #include "runtime/replay/replay.hpp"
 #include "runtime/replay/transfer_versions.hpp"
 #include "runtime/skip/skip_structure.hpp"
@@ -45,9 +46,11 @@ struct SceneOnDevice {
 /// Distance between samples in the smallest voxel spacing: the cast stage's step_voxels, 0.5 if it has none.
 double step_voxels_of(const Session& session);
 
-/// Streams the volume to the device, bakes the transfer function and builds the skip stage's structure, which
-/// refers to the volume: the scene stays where it is. Throws brace::Error or Interrupted.
+/// Streams the volume to the device, bakes the transfer function and builds the skip stage's structure (a
+/// native stage is activated for it), which refers to the volume: the scene stays where it is. Throws
+/// brace::Error or Interrupted.
 std::unique_ptr<SceneOnDevice> load_scene(const gpu::Device& device, const Session& session,
-                                          const ReplayOptions& options, sim::Rate refresh);
+                                          const ReplayOptions& options, const Headset& headset,
+                                          const VolumePlacement& placement);
 
 }  // namespace brace

@@ -2,12 +2,10 @@
 
 #include <algorithm>
 #include <optional>
-#include <set>
 
 #include "base/error.hpp"
-#include "runtime/frame/counted_work.hpp"
-#include "runtime/replay/pixel_work.hpp"
-#include "runtime/replay/recorded_work.hpp"
+#include "runtime/replay/series_facts.hpp"
+#include "runtime/replay/series_work.hpp"
 #include "runtime/replay/stage_instance.hpp"
 #include "runtime/report/progress.hpp"
 
@@ -15,18 +13,9 @@ namespace brace {
 
 namespace {
 
-constexpr int kProbes = 64;
-
-bool makes_pictures(const Session& session) {
-  using Kind = Session::Output::Selection::Kind;
-  return session.output.images.kind != Kind::none || session.output.error.kind != Kind::none;
-}
-
-bool has_model_cost(const Session& session) {
-  return session.clock.cost.rfind("model:", 0) == 0;
-}
-
-std::unique_ptr<CostSource> make_cost(const Session& session, const std::filesystem::path& data_folder) {
+/// `stage` is where a plug-in's cost stage lives.
+std::unique_ptr<CostSource> make_cost(const Session& session, const std::filesystem::path& data_folder,
+                                      std::optional<NativeStage>& stage) {
   const Session::Clock& clock = session.clock;
   const double scale = session.device.resolution_scale;
   const double pixel_scale = clock.cost_resolution == "full" ? 1.0 / (scale * scale) : 1.0;
@@ -37,19 +26,14 @@ std::unique_ptr<CostSource> make_cost(const Session& session, const std::filesys
       segments.push_back({s.from_s, s.cast_ms, s.warp_ms, s.update_ms});
     return make_scripted_cost(segments, clock.cost_scale);
   }
+  if (const auto chosen = session.pipeline.find("cost"); chosen != session.pipeline.end()) {
+    stage.emplace(live_stage(chosen->second));
+    return make_plugin_cost(stage->cost_functions(), stage->self(), stage->place(), pixel_scale,
+                            clock.cost_scale);
+  }
   const std::string name = clock.cost.substr(clock.cost.find(':') + 1);
-  if (!has_model_cost(session)) return make_recorded_cost(name, clock.cost_scale);
+  if (clock.cost.rfind("recorded:", 0) == 0) return make_recorded_cost(name, clock.cost_scale);
   return make_model_cost(find_cost_model(data_folder / "costs", name), pixel_scale, clock.cost_scale);
-}
-
-/// What a warp stage takes from the pose latched for it; its manifest's inputs say so.
-WarpPose warp_pose_of(const PipelineStage& warp) {
-  const auto& inputs = warp.stage.inputs;
-  const auto has = [&](const char* name) {
-    return std::find(inputs.begin(), inputs.end(), name) != inputs.end();
-  };
-  if (has("translation")) return WarpPose::rotation_and_translation;
-  return has("rotation") ? WarpPose::rotation : WarpPose::none;
 }
 
 FrameLoopConfig loop_config(const Session& session, const Headset& headset,
@@ -77,71 +61,6 @@ std::int64_t vsync_count(const Session& session, const Headset& headset, const H
   return std::min(asked, clock.last_at_or_before(head.end_time()) + 1);
 }
 
-std::vector<StageChoice> stage_choices(const Session& session) {
-  std::vector<StageChoice> choices;
-  for (const std::string& family : stage_families()) {
-    const auto found = session.pipeline.find(family);
-    if (found != session.pipeline.end()) choices.push_back({family, found->second.stage.id()});
-  }
-  return choices;
-}
-
-std::vector<LeftOut> left_out(const Session& session, const Headset& headset) {
-  std::vector<LeftOut> left;
-  for (const auto& [family, chosen] : session.pipeline) {
-    if (chosen.stage.name == "none") left.push_back({family, "the session names none"});
-  }
-  if (session.scene.shading == "none") left.push_back({"shading", "unlit: no gradient in the kernel"});
-  const sim::EyeProfile& eye = headset.profile.eyes[0];
-  if (sim::lens_is_identity(eye.lens, eye.fov)) {
-    left.push_back({"distortion", "the lens polynomial is 1"});
-  } else if (sim::lens_channels_equal(eye.lens)) {
-    left.push_back({"chromatic channels", "the channels' polynomials are equal: one fetch instead of three"});
-  }
-  if (headset.profile.scan_out.direction == sim::ScanDirection::global) {
-    left.push_back({"scan-out correction", "the panel is lit at once"});
-  }
-  return left;
-}
-
-/// Up to kProbes vsyncs of the run, and both sides of each change of the transfer function.
-std::set<SimTime> probe_times(const TransferSchedule& transfer, const Headset& headset, std::int64_t vsyncs) {
-  const sim::VsyncClock clock(SimTime(), headset.profile.refresh);
-  const std::int64_t count = std::min<std::int64_t>(kProbes, vsyncs);
-  std::set<SimTime> times;
-  for (std::int64_t i = 0; i < count; ++i)
-    times.insert(clock.time_of(count == 1 ? 0 : i * (vsyncs - 1) / (count - 1)));
-  for (const SimTime change : transfer.changes()) {
-    if (change > clock.time_of(vsyncs - 1)) break;
-    times.insert(change - SimDuration(1));
-    times.insert(change);
-  }
-  return times;
-}
-
-/// Counts of work along the head's motion, from eye frames rendered at the true poses.
-CountedWork probe_work(EyeRenderer& renderer, const gpu::Device& device, SceneOnDevice& scene,
-                       HeadMotion head, std::int64_t vsyncs, const Headset& headset, const WorkCounts& warp,
-                       const ReplayOptions& options) {
-  const EyePair eyes = make_eye_pair(device, headset.eye);
-  const std::set<SimTime> times = probe_times(scene.versions.schedule(), headset, vsyncs);
-  std::vector<WorkProbe> probes;
-  ProgressMeter meter("probing work", static_cast<std::uint64_t>(times.size()), "frames");
-  WorkCounts update;
-  for (const SimTime time : times) {
-    const std::int64_t version = scene.versions.schedule().version_at(time);
-    if (version != scene.transfer_version) {
-      update = scene.show_transfer(device, version).work;
-      renderer.transfer_changed();
-    }
-    probes.push_back({time, renderer.render(head.true_pose(time), eyes).work, warp, update});
-    meter.update(probes.size());
-    throw_if_interrupted(options);
-  }
-  meter.finish();
-  return CountedWork(std::move(probes));
-}
-
 class ProgressSink final : public RecordSink {
  public:
   ProgressSink(RunRecords& records, std::int64_t vsyncs, const ReplayOptions& options)
@@ -163,24 +82,38 @@ class ProgressSink final : public RecordSink {
 };
 
 /// pipeline.skip = "auto" in the report: what it became, and why.
-void apply_skip_choice(const SceneOnDevice& scene, Series& series) {
-  if (scene.skip_reason.empty()) return;
+void apply_skip_choice(const SeriesWork& work, Series& series) {
+  if (!work.scene || work.scene->skip_reason.empty()) return;
+  const SceneOnDevice& scene = *work.scene;
   for (StageChoice& choice : series.pipeline)
     if (choice.family == "skip") choice.stage = scene.skip_stage.stage.id();
   series.facts.push_back({"skip/auto", scene.skip_reason});
   if (!scene.skip) series.left_out.push_back({"skip", scene.skip_reason});
 }
 
-std::string probe_fact(std::int64_t vsyncs) {
-  return fmt::format("interpolated between {} eye frames rendered along the trace",
-                     std::min<std::int64_t>(kProbes, vsyncs));
+/// A device or stage that fails in the middle leaves what was recorded before.
+void run_until_failure(const FrameLoopConfig& config, const FrameLoopInputs& inputs, Series& series) {
+  try {
+    series.loop = run_frame_loop(config, inputs);
+  } catch (const Error& error) {
+    if (error.exit_code() != ExitCode::device_or_plugin_failed || series.records.frames().empty()) throw;
+    series.failure = error.what();
+  }
+}
+
+/// What the watchdog saw, and the jobs over their deadline, each under the stage it was the job of.
+std::vector<WatchdogReport> find_faults(Watchdog& watchdog, const Session& session, const Headset& headset,
+                                        std::span<const JobRecord> jobs) {
+  const double deadline_ms = session.run.deadline_ms.value_or(1e3 / headset.profile.refresh.hz());
+  const std::int64_t deadline_ns = to_ns(from_s(deadline_ms * 1e-3));
+  for (const JobRecord& job : jobs) {
+    const char* family = job.kind == JobKind::cast ? "cast" : job.kind == JobKind::warp ? "warp" : "skip";
+    watchdog.job_done(session.pipeline.at(family).stage.id(), job.index, job.cost_ns, deadline_ns);
+  }
+  return watchdog.reports();
 }
 
 }  // namespace
-
-bool needs_device(const Session& session) {
-  return makes_pictures(session) || has_model_cost(session) || session.clock.cost == "measured";
-}
 
 Series replay_series(const LabelledSession& labelled, const ReplayOptions& options, const Headset& headset,
                      const HeadTrace& head_trace, const gpu::Device* device, RunDirectory& run) {
@@ -202,60 +135,31 @@ Series replay_series(const LabelledSession& labelled, const ReplayOptions& optio
   const std::int64_t vsyncs = vsync_count(session, headset, head);
   const VolumePlacement placement = place_volume(session.scene, head.true_pose(SimTime()));
 
-  const std::unique_ptr<CostSource> cost = make_cost(session, options.data_folder);
+  std::optional<NativeStage> cost_stage;
+  const std::unique_ptr<CostSource> cost = make_cost(session, options.data_folder, cost_stage);
   series.deterministic = cost->deterministic();
 
-  std::unique_ptr<SceneOnDevice> scene;
-  std::unique_ptr<FrameWork> work;
-  const PixelWork* pixels = nullptr;
-  if (device != nullptr && needs_device(session)) {
-    scene = load_scene(*device, session, options, headset.profile.refresh);
-    apply_skip_choice(*scene, series);
-    if (scene->skip) series.facts.push_back({"skip memory", scene->skip_memory});
-    series.facts.push_back({"volume path", scene->volume.path_reason()});
-    for (const std::string& note : scene->volume.info().notes)
-      series.facts.push_back({"volume", note});
-  }
-  if (makes_pictures(session) || session.clock.cost == "measured") {
-    const std::string folder = labelled.label.empty() ? "images" : "images-" + file_part(labelled.label);
-    auto rendered = std::make_unique<PixelWork>(PixelWork::Inputs{*device, session, headset, *scene,
-                                                                  placement, options.data_folder,
-                                                                  options.no_warp, vsyncs, run, folder});
-    pixels = rendered.get();
-    work = std::move(rendered);
-  } else if (scene) {
-    EyeRenderer renderer(*device, session, headset, *scene, placement, options.data_folder,
-                         EyeRenderer::Counting::on);
-    work = std::make_unique<CountedWork>(probe_work(
-        renderer, *device, *scene, head, vsyncs, headset,
-        PanelDisplay(*device, headset, session.pipeline.at("warp"), options.data_folder).work(), options));
-    series.facts.push_back({"counted work", probe_fact(vsyncs)});
-  } else if (session.clock.cost.rfind("recorded:", 0) == 0) {
-    work = std::make_unique<RecordedWork>(session.clock.cost.substr(9));
-    series.facts.push_back({"counted work", "that of the recorded run"});
-  } else {
-    work = std::make_unique<CountedWork>(std::vector<WorkProbe>{{SimTime(), {}, {}}});
-    series.facts.push_back({"counted work", "none: nothing was rendered"});
-  }
+  SeriesWork work =
+      make_work({session, options, headset, head, placement, device, vsyncs, run, labelled.label});
+  apply_skip_choice(work, series);
+  series.facts.insert(series.facts.end(), work.facts.begin(), work.facts.end());
   FrameLoopConfig config = loop_config(session, headset, session.run.frames);
-  if (scene) {
-    config.transfer = scene->versions.schedule();
-  } else {
-    config.transfer = transfer_schedule(session.scene, headset.profile.refresh);
-  }
+  config.transfer = work.scene ? work.scene->versions.schedule()
+                               : transfer_schedule(session.scene, headset.profile.refresh);
   const NativeStage predict = live_stage(session.pipeline.at("predict"));
   const NativeStage control = live_stage(session.pipeline.at("control"));
   ProgressSink sink(series.records, vsyncs, options);
   const FrameLoopInputs inputs{head,
-                               {&predict.predict_functions(), predict.self()},
-                               {&control.control_functions(), control.self()},
+                               {&predict.predict_functions(), predict.self(), predict.place()},
+                               {&control.control_functions(), control.self(), control.place()},
                                *cost,
-                               *work,
+                               *work.frame_work,
                                sink};
-  series.loop = run_frame_loop(config, inputs);
+  run_until_failure(config, inputs, series);
   sink.finish();
   series.jobs = series.records.jobs_by_submission();
-  if (pixels) series.pictures = pixels->pictures();
+  if (work.watchdog != nullptr) series.faults = find_faults(*work.watchdog, session, headset, series.jobs);
+  if (work.pixels != nullptr) series.pictures = work.pixels->pictures();
   return series;
 }
 

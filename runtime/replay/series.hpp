@@ -23,14 +23,15 @@ struct Series {
   std::vector<StageChoice> pipeline;
   std::vector<Fact> facts;
   bool deterministic = true;
+  std::vector<WatchdogReport> faults;  // that the watchdog found
+  std::string failure;                 // "" or what ended the run before its end
   FrameLoopResult loop;
 };
 
-/// Replays one session; pictures go into `run`. `device` is null when the session needs none.
+/// Replays one session; pictures go into `run`. `device` is null when the session needs none. When a stage or
+/// the device fails after vsyncs have been shown, the series ends there and says so in `failure`; before,
+/// that is thrown.
 Series replay_series(const LabelledSession& labelled, const ReplayOptions& options, const Headset& headset,
                      const HeadTrace& head_trace, const gpu::Device* device, RunDirectory& run);
-
-/// Whether a session renders anything, if only to count work.
-bool needs_device(const Session& session);
 
 }  // namespace brace

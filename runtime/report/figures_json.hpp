@@ -18,6 +18,7 @@ Json real(double value);
 /// {"family": "family/name", …}
 Json pipeline_json(const RunSeries& series);
 Json left_out_json(const RunSeries& series);
+Json faults_json(const RunSeries& series);
 /// {"name": "value", …}
 Json facts_json(std::span<const Fact> facts);
 Json clock_json(const ClockInfo& clock);

@@ -203,6 +203,7 @@ Json page_data(const ReportInput& input, const std::filesystem::path& pictures_f
                {"clock", clock_json(input.clock)},
                {"deterministic", input.deterministic},
                {"facts", facts_json(input.facts)},
+               {"failure", input.failure},
                {"host", host_json(input.host)},
                {"session", input.session_toml},
                {"curve_points", page_curve_points}};

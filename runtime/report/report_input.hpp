@@ -47,6 +47,14 @@ struct EyePicture {
   std::filesystem::path right_png;
 };
 
+/// A rule that a stage broke.
+struct WatchdogFault {
+  std::string stage;             // "cast/mip"
+  std::string clause;            // "NaN or Inf in a result"
+  std::uint64_t count = 0;       // of rays, words of memory or jobs
+  std::int64_t first_frame = 0;  // the first eye frame it was seen in; of warps the first vsync
+};
+
 /// Records of one pipeline. A run has at least one series; a comparison (thesis Fig. 18: none and quad) has
 /// several with different labels. Records and jobs are not owned and must outlive the report.
 struct RunSeries {
@@ -56,6 +64,7 @@ struct RunSeries {
   std::span<const FrameRecord> records;  // in the order of vsyncs
   std::span<const JobRecord> jobs;       // in the order of submission
   std::vector<EyePicture> pictures;
+  std::vector<WatchdogFault> faults;
   /// Figures of the whole run, for replays too long to keep all records: `records` and `jobs` are then the
   /// part that was kept, for the page. Without them the figures are those of `records` and `jobs`.
   std::optional<PacingFigures> figures;
@@ -86,6 +95,8 @@ struct ReportInput {
   std::string trace;
   ClockInfo clock;
   bool deterministic = false;
+  std::string failure;   // "" or what ended the run before its end: it is incomplete
+  std::string watchdog;  // its level; "" if it was off
   std::vector<RunSeries> series;
   std::vector<Fact> facts;
   std::vector<ReportTable> tables;

@@ -83,6 +83,17 @@ Json left_out_json(const RunSeries& series) {
   return json;
 }
 
+Json faults_json(const RunSeries& series) {
+  Json json = Json::array();
+  for (const WatchdogFault& fault : series.faults) {
+    json.push_back({{"stage", fault.stage},
+                    {"fault", fault.clause},
+                    {"count", fault.count},
+                    {"first_frame", fault.first_frame}});
+  }
+  return json;
+}
+
 Json facts_json(std::span<const Fact> facts) {
   Json json = Json::object();
   for (const Fact& fact : facts)
@@ -144,11 +155,15 @@ std::string summary_json(const ReportInput& input) {
   json["trace"] = input.trace;
   json["clock"] = clock_json(input.clock);
   json["deterministic"] = input.deterministic;
-  const auto add_series = [](Json& to, const RunSeries& series) {
+  json["complete"] = input.failure.empty();
+  if (!input.failure.empty()) json["failure"] = input.failure;
+  if (!input.watchdog.empty()) json["watchdog_level"] = input.watchdog;
+  const auto add_series = [&](Json& to, const RunSeries& series) {
     if (!series.label.empty()) to["label"] = series.label;
     to["pipeline"] = pipeline_json(series);
     to.update(figures_json(series));
     to["left_out"] = left_out_json(series);
+    if (!input.watchdog.empty()) to["watchdog"] = faults_json(series);
   };
   add_series(json, first);
   if (input.series.size() > 1) {

@@ -145,12 +145,14 @@ std::vector<Session::Clock::ScriptedSegment> read_script(const SessionTable& tab
 void check_cost(const SessionTable& table, std::string& cost, const std::filesystem::path& folder) {
   if (cost == "measured" || cost == "scripted") return;
   if (cost.rfind("model:", 0) == 0 && cost.size() > 6) return;
+  if (cost.rfind("stage:", 0) == 0 && cost.size() > 6) return;  // read_pipeline looks it up
   if (cost.rfind("recorded:", 0) == 0 && cost.size() > 9) {
     cost = "recorded:" + absolute_from(folder, cost.substr(9)).string();
     return;
   }
-  table.fail("clock.cost",
-             fmt::format("is '{}'; accepted: model:NAME, measured, recorded:DIR, scripted", cost));
+  table.fail(
+      "clock.cost",
+      fmt::format("is '{}'; accepted: model:NAME, measured, recorded:DIR, scripted, stage:NAME", cost));
 }
 
 Session::Clock read_clock(const SessionTable& table, const std::filesystem::path& folder) {
@@ -253,9 +255,13 @@ std::map<std::string, PipelineStage> read_pipeline(const SessionTable& table, co
   std::map<std::string, PipelineStage> pipeline;
   std::vector<std::string> used;
   for (const std::string& family : stage_families()) {
-    if (family == "cost") continue;  // named by clock.cost
-    const std::string key = "pipeline." + family;
-    const StageInfo& stage = stages.find(family, table.text(key), table.place(key) + ": '" + key + "'");
+    const std::string key = family == "cost" ? "clock.cost" : "pipeline." + family;
+    std::string name = table.text(key);
+    if (family == "cost") {
+      if (name.rfind("stage:", 0) != 0) continue;
+      name = name.substr(6);
+    }
+    const StageInfo& stage = stages.find(family, name, table.place(key) + ": '" + key + "'");
     pipeline[family] = {stage, stage_values(table, stage)};
     used.push_back(stage.name);
     used.push_back(stage.id());
@@ -380,6 +386,9 @@ Session parse_session(const std::string& text, const std::string& file_name,
   }
   if (table.integer("run.seed") < 0) table.fail("run.seed", "is negative; accepted: 0 to 2^63-1");
   session.run.seed = static_cast<std::uint64_t>(table.integer("run.seed"));
+  session.run.watchdog = parse_watchdog_level(table.choice("run.watchdog"));
+  if (table.node("run.deadline_ms") != nullptr)
+    session.run.deadline_ms = table.number_in("run.deadline_ms", 0.001, 1e6);
   session.compare = read_compare(table);
 
   write_absolute_paths(table, session);

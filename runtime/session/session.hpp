@@ -11,6 +11,7 @@
 
 #include "base/pose.hpp"
 #include "runtime/host/stage_registry.hpp"
+#include "runtime/host/watchdog.hpp"
 
 namespace brace {
 
@@ -72,7 +73,7 @@ struct Session {
 
   struct Clock {
     std::string queue;            // single | priority | dual
-    std::string cost;             // model:NAME | measured | recorded:DIR | scripted
+    std::string cost;             // model:NAME | measured | recorded:DIR | scripted | stage:NAME
     std::string cost_resolution;  // full | as_rendered
     double cost_scale = 1.0;
     std::optional<double> warp_lead_ms;
@@ -101,6 +102,8 @@ struct Session {
   struct Run {
     std::optional<std::int64_t> frames;  // display vsyncs; default: the whole trace
     std::uint64_t seed = 1;
+    WatchdogLevel watchdog = WatchdogLevel::off;
+    std::optional<double> deadline_ms;  // of a job; default: a display period
   } run;
 
   /// Sessions that show several pipelines in one report: key and values, one run each.

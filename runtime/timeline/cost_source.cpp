@@ -147,8 +147,9 @@ class PluginCost final : public CostSource {
     std::int64_t duration_ns = -1;
     const brace_result result = functions_.cost(self_, name_of(query.kind), &counts, &duration_ns);
     if (result != BRACE_OK || duration_ns < 0) {
-      throw device_error("{}: no cost for {} job {} (result {}, {} ns); a cost is 0 ns or more", name_,
-                         name_of(query.kind), query.index, static_cast<int>(result), duration_ns);
+      throw device_error(
+          "{} failed in cost; expected BRACE_OK and 0 ns or more; found result {}, {} ns for {} job {}",
+          name_, static_cast<int>(result), duration_ns, name_of(query.kind), query.index);
     }
     return scaled(SimDuration(duration_ns), scale_);
   }

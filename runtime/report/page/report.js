@@ -386,6 +386,12 @@ function showFacts() {
   byId('session').textContent = data.session;
 }
 
+function showFailure() {
+  if (!data.failure) return;
+  byId('failure').hidden = false;
+  byId('failure').textContent = 'This run is incomplete: ' + data.failure;
+}
+
 function showLeftOut() {
   const rows = data.series.flatMap((s) => s.left_out.map((one) => (several ? [s.label] : []).concat(one.stage, one.reason)));
   byId('left-out-card').hidden = rows.length === 0;
@@ -450,6 +456,7 @@ function report() {
   });
   showPictures();
   showFacts();
+  showFailure();
   showLeftOut();
   showTables();
   showNotes();

@@ -238,6 +238,10 @@ const GlslMutant glsl_mutants[] = {
      "the picture is the unskipped one, bit for bit"},
     {"warp_shifts", "warp", "vec2 brace_warp_source(vec2 tan_xy) { return tan_xy + 0.3; }\n",
      "equal poses show the picture as it is"},
+    {"warp_shifts_odd_sizes", "warp",
+     "vec2 brace_warp_source(vec2 tan_xy) { return tan_xy + (brace_display.grid.z % 2u == 1u ? 0.3 : 0.0); "
+     "}\n",
+     "sizes from 2x2 to odd to large"},
 };
 
 INSTANTIATE_TEST_SUITE_P(Each, ConformanceGlslMutant, testing::ValuesIn(glsl_mutants),

@@ -1,0 +1,44 @@
+#include "runtime/replay/series_facts.hpp"
+
+#include <algorithm>
+
+namespace brace {
+
+std::vector<StageChoice> stage_choices(const Session& session) {
+  std::vector<StageChoice> choices;
+  for (const std::string& family : stage_families()) {
+    const auto found = session.pipeline.find(family);
+    if (found != session.pipeline.end()) choices.push_back({family, found->second.stage.id()});
+  }
+  return choices;
+}
+
+std::vector<LeftOut> left_out(const Session& session, const Headset& headset) {
+  std::vector<LeftOut> left;
+  for (const auto& [family, chosen] : session.pipeline) {
+    if (chosen.stage.name == "none") left.push_back({family, "the session names none"});
+  }
+  if (session.scene.shading == "none") left.push_back({"shading", "unlit: no gradient in the kernel"});
+  const sim::EyeProfile& eye = headset.profile.eyes[0];
+  if (sim::lens_is_identity(eye.lens, eye.fov)) {
+    left.push_back({"distortion", "the lens polynomial is 1"});
+  } else if (sim::lens_channels_equal(eye.lens)) {
+    left.push_back({"chromatic channels", "the channels' polynomials are equal: one fetch instead of three"});
+  }
+  if (headset.profile.scan_out.direction == sim::ScanDirection::global) {
+    left.push_back({"scan-out correction", "the panel is lit at once"});
+  }
+  return left;
+}
+
+WarpPose warp_pose_of(const PipelineStage& warp) {
+  if (warp.stage.native != nullptr) return WarpPose::rotation_and_translation;
+  const auto& inputs = warp.stage.inputs;
+  const auto has = [&](const char* name) {
+    return std::find(inputs.begin(), inputs.end(), name) != inputs.end();
+  };
+  if (has("translation")) return WarpPose::rotation_and_translation;
+  return has("rotation") ? WarpPose::rotation : WarpPose::none;
+}
+
+}  // namespace brace

@@ -1,0 +1,123 @@
+#include "runtime/replay/series_work.hpp"
+
+#include <algorithm>
+#include <set>
+
+#include "base/error.hpp"
+#include "runtime/frame/counted_work.hpp"
+#include "runtime/replay/recorded_work.hpp"
+#include "runtime/report/progress.hpp"
+
+namespace brace {
+
+namespace {
+
+constexpr int kProbes = 64;
+
+bool makes_pictures(const Session& session) {
+  using Kind = Session::Output::Selection::Kind;
+  return session.output.images.kind != Kind::none || session.output.error.kind != Kind::none;
+}
+
+/// Costs that are made from counted work.
+bool prices_work(const Session& session) {
+  return session.clock.cost.rfind("model:", 0) == 0 || session.clock.cost.rfind("stage:", 0) == 0;
+}
+
+/// Up to kProbes vsyncs of the run, and both sides of each change of the transfer function.
+std::set<SimTime> probe_times(const TransferSchedule& transfer, const Headset& headset, std::int64_t vsyncs) {
+  const sim::VsyncClock clock(SimTime(), headset.profile.refresh);
+  const std::int64_t count = std::min<std::int64_t>(kProbes, vsyncs);
+  std::set<SimTime> times;
+  for (std::int64_t i = 0; i < count; ++i)
+    times.insert(clock.time_of(count == 1 ? 0 : i * (vsyncs - 1) / (count - 1)));
+  for (const SimTime change : transfer.changes()) {
+    if (change > clock.time_of(vsyncs - 1)) break;
+    times.insert(change - SimDuration(1));
+    times.insert(change);
+  }
+  return times;
+}
+
+/// Counts of work along the head's motion, from eye frames rendered at the true poses.
+CountedWork probe_work(EyeRenderer& renderer, const gpu::Device& device, SceneOnDevice& scene,
+                       HeadMotion head, std::int64_t vsyncs, const Headset& headset, const WorkCounts& warp,
+                       const ReplayOptions& options) {
+  const EyePair eyes = make_eye_pair(device, headset.eye);
+  const std::set<SimTime> times = probe_times(scene.versions.schedule(), headset, vsyncs);
+  std::vector<WorkProbe> probes;
+  ProgressMeter meter("probing work", static_cast<std::uint64_t>(times.size()), "frames");
+  WorkCounts update;
+  for (const SimTime time : times) {
+    const std::int64_t version = scene.versions.schedule().version_at(time);
+    if (version != scene.transfer_version) {
+      update = scene.show_transfer(device, version).work;
+      renderer.transfer_changed();
+    }
+    probes.push_back({time, renderer.render(head.true_pose(time), eyes).work, warp, update});
+    meter.update(probes.size());
+    throw_if_interrupted(options);
+  }
+  meter.finish();
+  return CountedWork(std::move(probes));
+}
+
+std::string probe_fact(std::int64_t vsyncs) {
+  return fmt::format("interpolated between {} eye frames rendered along the trace",
+                     std::min<std::int64_t>(kProbes, vsyncs));
+}
+
+std::unique_ptr<FrameWork> count_with_probes(const SeriesWorkInputs& in, SceneOnDevice& scene,
+                                             Watchdog* watchdog) {
+  EyeRenderer renderer(*in.device, in.session, in.headset, scene, in.placement, in.options.data_folder,
+                       EyeRenderer::Counting::on, watchdog);
+  const PanelDisplay display(*in.device, in.headset, in.session.pipeline.at("warp"), in.options.no_warp,
+                             scene_activation(*in.device, in.session, in.headset, scene, in.placement),
+                             in.options.data_folder);
+  return std::make_unique<CountedWork>(
+      probe_work(renderer, *in.device, scene, in.head, in.vsyncs, in.headset, display.work(), in.options));
+}
+
+void load(const SeriesWorkInputs& in, SeriesWork& work) {
+  work.scene = load_scene(*in.device, in.session, in.options, in.headset, in.placement);
+  if (work.scene->skip) work.facts.push_back({"skip memory", work.scene->skip_memory});
+  work.facts.push_back({"volume path", work.scene->volume.path_reason()});
+  for (const std::string& note : work.scene->volume.info().notes)
+    work.facts.push_back({"volume", note});
+}
+
+}  // namespace
+
+bool needs_device(const Session& session) {
+  return makes_pictures(session) || prices_work(session) || session.clock.cost == "measured";
+}
+
+SeriesWork make_work(const SeriesWorkInputs& in) {
+  const Session& session = in.session;
+  SeriesWork work;
+  if (in.device != nullptr && needs_device(session)) load(in, work);
+  if (work.scene && session.run.watchdog != WatchdogLevel::off) {
+    work.watchdog =
+        std::make_unique<Watchdog>(*in.device, session.run.watchdog, in.options.data_folder / "kernels");
+  }
+  if (makes_pictures(session) || session.clock.cost == "measured") {
+    const std::string folder = in.label.empty() ? "images" : "images-" + file_part(in.label);
+    auto rendered = std::make_unique<PixelWork>(
+        PixelWork::Inputs{*in.device, session, in.headset, *work.scene, in.placement, in.options.data_folder,
+                          in.options.no_warp, in.vsyncs, in.run, folder, work.watchdog.get()});
+    work.pixels = rendered.get();
+    work.frame_work = std::move(rendered);
+  } else if (work.scene) {
+    work.frame_work = count_with_probes(in, *work.scene, work.watchdog.get());
+    work.facts.push_back({"counted work", probe_fact(in.vsyncs)});
+  } else if (session.clock.cost.rfind("recorded:", 0) == 0) {
+    work.frame_work = std::make_unique<RecordedWork>(session.clock.cost.substr(9));
+    work.facts.push_back({"counted work", "that of the recorded run"});
+  } else {
+    work.frame_work = std::make_unique<CountedWork>(std::vector<WorkProbe>{{SimTime(), {}, {}}});
+    work.facts.push_back({"counted work", "none: nothing was rendered"});
+  }
+  return work;
+}
+
+}  // namespace brace
