@@ -210,7 +210,7 @@ std::vector<std::string> published_lines(const std::filesystem::path& file) {
 }  // namespace
 
 SkipBenchResult bench_skip(const SkipBenchOptions& options) {
-  check_names("scene", options.scenes, {"head", "insect", "snake"});
+  check_names("scene", options.scenes, {"head", "insect", "snake", "none"});
   check_names("part", options.parts, {"updates", "frames", "threshold"});
   const gpu::Device device(options.device);
   SkipKernels kernels(device, options.data_folder / "kernels/skip");

@@ -132,8 +132,8 @@ std::string frames_svg(const SkipBenchResult& result) {
     auto found = std::find(chart.series.begin(), chart.series.end(), row.stage);
     if (found == chart.series.end()) found = chart.series.insert(found, row.stage);
     const auto series = static_cast<std::size_t>(found - chart.series.begin());
-    const std::string label = row.tf == 0 ? row.scene.substr(0, 12) + " 1 %"
-                                          : fmt::format("{} TF{}", row.scene.substr(0, 12), row.tf);
+    const std::string label = row.tf == 0 ? row.scene.substr(0, 8) + " 1 %"
+                                          : fmt::format("{} TF{}", row.scene.substr(0, 8), row.tf);
     const auto [at, is_new] = group_of.emplace(label, chart.groups.size());
     if (is_new) chart.groups.push_back({label, {}});
     chart.groups[at->second].bars.push_back({row.ms, row.ms_without_termination, series});

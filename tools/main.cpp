@@ -112,7 +112,8 @@ void add_bench(CLI::App& app, BenchCommand& command, Action& action) {
   add_gpu_option(*bench, command.gpu);
   bench->add_flag("--quick", command.quick, "Fewer repetitions: a first look, not a figure to quote");
   bench->add_flag("--json", command.json, "Print JSON");
-  bench->add_option("--scene", command.scenes, "skip: head, insect or snake; may be given again")->take_all();
+  bench->add_option("--scene", command.scenes, "skip: head, insect, snake or none; may be given again")
+      ->take_all();
   bench->add_option("--part", command.parts, "skip: updates, frames or threshold; may be given again")
       ->take_all();
   bench->add_option("--volume", command.volumes, "skip: a file or generator for frames beside the scenes")

@@ -121,5 +121,25 @@ TEST_F(CliTransfer, AMissingTransferFunctionOfALaterChangeIsToldBeforeTheRun) {
   EXPECT_EQ(place_.names(), std::vector<std::string>{"bad.toml"});
 }
 
+TEST_F(CliTransfer, AutoTakesNothingForAFullSceneAndPartitionsWhereTheTransferFunctionChanges) {
+  const std::vector<std::string> no_pictures = {"--set", "output.images=none", "--set", "output.error=none",
+                                                "--set", "pipeline.skip=auto"};
+  const auto with = [&](std::vector<std::string> more) {
+    more.insert(more.end(), no_pictures.begin(), no_pictures.end());
+    return more;
+  };
+  run("full", session, with({"--set", "scene.transfer_function=tf2"}));
+  EXPECT_THAT(place_.read("full/summary.json"), HasSubstr("none: 100.0 % of the blocks are occupied"));
+  EXPECT_THAT(place_.read("full/summary.json"), HasSubstr("\"skip\": \"skip/none\""));
+  run("sparse", session,
+      with({"--set", "scene.transfer_function=tf3", "--set", "scene.volume=generator:fractal_vessels:32"}));
+  EXPECT_THAT(place_.read("sparse/summary.json"), HasSubstr("\"skip\": \"skip/distance_map\""));
+  run("changes", session + "[[scene.transfer_change]]\nat_s = 0.06\ntransfer_function = 'tf4'\n",
+      with({"--set", "scene.transfer_function=tf3", "--set", "scene.volume=generator:fractal_vessels:32"}));
+  EXPECT_THAT(place_.read("changes/summary.json"), HasSubstr("\"skip\": \"skip/partitioned\""));
+  EXPECT_THAT(place_.read("changes/summary.json"), HasSubstr("skip/auto"));
+  EXPECT_EQ(updates("changes").size(), 1U);
+}
+
 }  // namespace
 }  // namespace brace
