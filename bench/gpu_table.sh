@@ -1,0 +1,27 @@
+#!/usr/bin/env bash
+# Every benchmark of this device, one file each, and a demo replay at the headset's full resolution, in under ten
+# minutes:
+#   bench/gpu_table.sh [FOLDER] [BRACE] [VOLUME]
+# FOLDER is runs/gpu_table by default, BRACE build/release/bin/brace, VOLUME the demo's own.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+folder=${1:-runs/gpu_table}
+brace=${2:-build/release/bin/brace}
+volume=${3:-}
+mkdir -p "$folder"
+
+"$brace" doctor | tee "$folder/device.txt"
+for name in raycast distort integrators host costs replay skip; do
+  echo "== brace bench $name"
+  options=()
+  [ "$name" = replay ] && options=(--quick)  # one core of the host: not what this table is about
+  if timeout 300 "$brace" bench "$name" "${options[@]}" >"$folder/$name.txt" 2>"$folder/$name.log"; then
+    tail -n 3 "$folder/$name.txt"
+  else
+    echo "brace bench $name failed or took more than five minutes: $folder/$name.log" >&2
+  fi
+done
+
+settings=(--set clock.cost=measured --set device.resolution_scale=1.0 --set output.error=none)
+[ -n "$volume" ] && settings+=(--set "scene.volume=$volume")
+"$brace" run examples/demo.toml "${settings[@]}" --frames 180 --out "$folder/demo" | tee "$folder/demo.txt"
