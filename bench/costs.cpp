@@ -69,8 +69,9 @@ void measure(const gpu::Device& device, const CostBenchOptions& options, const C
   PanelDisplay display(device, headset, session.pipeline.at("warp"), options.data_folder);
   const EyePair eyes = make_eye_pair(device, headset.eye);
   samples.push_back(best_of(JobKind::cast, options.repetitions, [&] { return renderer.render(head, eyes); }));
-  samples.push_back(
-      best_of(JobKind::warp, options.repetitions, [&] { return display.show({eyes, head, head}); }));
+  samples.push_back(best_of(JobKind::warp, options.repetitions, [&] {
+    return display.show({eyes, head, head});
+  }));
 }
 
 std::string lower_case_name(const std::string& device) {

@@ -77,8 +77,8 @@ double lens_forward(LensKind kind, const std::array<double, 5>& k, double r);   
 double fold_over_radius(LensKind kind, const std::array<double, 5>& k, double r_max);
 
 /// The display radius in [0, usable_radius] with r L(r) = source_radius; none if there is no such radius
-/// (never one from a wrong branch). Bracketed Newton, at most 13 iterations (up to 60 next to a fold); `iterations` receives the number
-/// taken.
+/// (never one from a wrong branch). Bracketed Newton, at most 13 iterations (up to 60 next to a fold);
+/// `iterations` receives the number taken.
 std::optional<double> lens_inverse(LensKind kind, const std::array<double, 5>& k, double source_radius,
                                    double usable_radius, int* iterations = nullptr);
 

@@ -108,7 +108,8 @@ void add_trace(CLI::App& app, TraceCommands& commands, Action& action) {
 void add_bench(CLI::App& app, BenchCommand& command, Action& action) {
   CLI::App* bench =
       app.add_subcommand("bench", "Measure this machine against published and installed rivals");
-  bench->add_option("name", command.name, "raycast, replay, distort, skip, costs, host or integrators")->required();
+  bench->add_option("name", command.name, "raycast, replay, distort, skip, costs, host or integrators")
+      ->required();
   add_gpu_option(*bench, command.gpu);
   bench->add_flag("--quick", command.quick, "Fewer repetitions: a first look, not a figure to quote");
   bench->add_flag("--json", command.json, "Print JSON");
@@ -125,7 +126,7 @@ void add_bench(CLI::App& app, BenchCommand& command, Action& action) {
       ->check(CLI::Range(8, 4096))
       ->capture_default_str();
   bench->add_option("--out", command.out, "skip: folder for the table and the plots");
-  bench->footer("Examples:\n  brace bench raycast\n  brace bench skip --scene head --out skip-bench");
+  bench->footer("Example:\n  brace bench raycast\n  brace bench skip --scene head --out skip-bench");
   bench->callback([&] { action = [&] { return bench_command(command); }; });
 }
 

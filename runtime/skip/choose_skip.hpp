@@ -23,8 +23,8 @@ struct SkipChoice {
 
 /// Share of occupied blocks from which on looking up costs more than the samples it saves. Measured by `brace
 /// bench skip` on scenes that are the worst for skipping: a single visible voxel in each occupied block, so
-/// that nearly every sample is followed by a look-up in vain. There distances give 1.75x at 30 % and 0.96x at 51 %
-/// (docs/benchmarks.md).
+/// that nearly every sample is followed by a look-up in vain. There distances give 1.75x at 30 % and 0.96x at
+/// 51 % (docs/benchmarks.md).
 inline constexpr double occupancy_worth_skipping = 0.4;
 
 /// The cheapest structure for a scene, or none. Wanted: distances (fewest samples). distance_map if the

@@ -30,6 +30,7 @@ PipelineStage with_parameters(const char* family) {
   add("count", ParameterType::integer, 3, -7);
   add("on", ParameterType::boolean, 0, 1);
   add("mode", ParameterType::choice, 1, 2);
+  stage.stage.parameters.back().choices = {"fast", "plain", "exact"};
   return stage;
 }
 

@@ -1,0 +1,242 @@
+// What a ray finds at a point: the cell of voxels, its value, colour, emptiness and shading.
+// Compiled once for every instruction set (Google Highway): the guard turns over with each.
+#if defined(NATIVE_CAST_VOXELS_INL) == defined(HWY_TARGET_TOGGLE)
+#ifdef NATIVE_CAST_VOXELS_INL
+#undef NATIVE_CAST_VOXELS_INL
+#else
+#define NATIVE_CAST_VOXELS_INL
+#endif
+
+#include <hwy/contrib/math/math-inl.h>
+#include <hwy/highway.h>
+
+#include "lanes-inl.hpp"
+
+HWY_BEFORE_NAMESPACE();
+namespace native_cast {
+namespace HWY_NAMESPACE {
+
+/// Where a point lies in its cell, and the cell's first texel. Lanes outside `wanted` get texel 0.
+struct CellAt {
+  Float x, y, z;
+  Int i, j, texel;
+};
+
+HWY_INLINE Int texel_at(const PackedVolume& volume, Int x, Int y, Int z) {
+  const Int tile = hn::Add(hn::Mul(hn::ShiftRight<2>(x), all_int(volume.tile_texels)),
+                           hn::Mul(hn::ShiftRight<2>(y), all_int(volume.tile_row_texels)));
+  const Int in_slice = hn::Or(hn::And(x, all_int(3)), hn::ShiftLeft<2>(hn::And(y, all_int(3))));
+  return hn::Add(tile, hn::Or(hn::ShiftLeft<4>(z), in_slice));
+}
+
+HWY_INLINE CellAt cell_at(const PackedVolume& volume, const Point& voxel, Mask wanted) {
+  // The apron moves voxel i from centre i + 0.5 to i + 1.
+  const Float x = hn::IfThenElseZero(wanted, hn::Add(voxel.x, all(0.5f)));
+  const Float y = hn::IfThenElseZero(wanted, hn::Add(voxel.y, all(0.5f)));
+  const Float z = hn::IfThenElseZero(wanted, hn::Add(voxel.z, all(0.5f)));
+  const Int i = to_int(x), j = to_int(y), k = to_int(z);
+  return {hn::Sub(x, to_float(i)),  hn::Sub(y, to_float(j)), hn::Sub(z, to_float(k)), i, j,
+          texel_at(volume, i, j, k)};
+}
+
+/// The texel and the one a slice on.
+HWY_INLINE WordPair gather_slices(const PackedVolume& volume, Int texel) {
+  return {gather(volume.texels.data(), texel),
+          gather(volume.texels.data() + PackedVolume::tile_slice_texels, texel)};
+}
+
+HWY_INLINE Float byte_of(Word texels, int byte) {
+  const Word shifted = hn::ShiftRightSame(texels, 8 * byte);
+  return to_float(hn::BitCast(Ints(), hn::And(shifted, hn::Set(Words(), 255u))));
+}
+HWY_INLINE Float half_of(Word texels, bool high) {
+  const Word half = high ? hn::ShiftRight<16>(texels) : hn::And(texels, hn::Set(Words(), 0xffffu));
+  return to_float(hn::BitCast(Ints(), half));
+}
+
+/// What lies around a point, as in brace/volume.glsl.
+template <brace_voxel_type type>
+struct Cell;
+
+template <>
+struct Cell<BRACE_VOXEL_UINT8> {
+  CellAt at;
+  Word near, far;
+
+  HWY_INLINE static Cell fetch(const PackedVolume& volume, const Point& voxel, Mask wanted) {
+    const CellAt at = cell_at(volume, voxel, wanted);
+    const WordPair pair = gather_slices(volume, at.texel);
+    return {at, pair.first, pair.second};
+  }
+  HWY_INLINE Float value(const Scene&) const {
+    Float corner[4];
+    for (int c = 0; c < 4; ++c)
+      corner[c] = lerp(byte_of(near, c), byte_of(far, c), at.z);
+    return lerp(lerp(corner[0], corner[2], at.y), lerp(corner[1], corner[3], at.y), at.x);
+  }
+};
+
+template <>
+struct Cell<BRACE_VOXEL_UINT16> {
+  CellAt at;
+  Word texels[4];  // (y, z), (y + 1, z), (y, z + 1), (y + 1, z + 1)
+
+  HWY_INLINE static Cell fetch(const PackedVolume& volume, const Point& voxel, Mask wanted) {
+    const CellAt at = cell_at(volume, voxel, wanted);
+    const Int below = hn::Sub(at.texel, texel_at(volume, at.i, at.j, hn::Zero(Ints())));  // of the slice
+    const WordPair near = gather_slices(volume, at.texel);
+    const WordPair far = gather_slices(
+        volume, hn::Add(below, texel_at(volume, at.i, hn::Add(at.j, all_int(1)), hn::Zero(Ints()))));
+    return {at, {near.first, far.first, near.second, far.second}};
+  }
+  HWY_INLINE Float value(const Scene& scene) const {
+    Float row[4];
+    for (int r = 0; r < 4; ++r)
+      row[r] = lerp(half_of(texels[r], false), half_of(texels[r], true), at.x);
+    const float offset = scene.volume->type == BRACE_VOXEL_INT16 ? -32768.0f : 0.0f;
+    return hn::Add(lerp(lerp(row[0], row[1], at.y), lerp(row[2], row[3], at.y), at.z), all(offset));
+  }
+};
+
+template <>
+struct Cell<BRACE_VOXEL_FLOAT32> {
+  CellAt at;
+  Float corner[8];  // x fastest, then y, then z
+
+  HWY_INLINE static Cell fetch(const PackedVolume& volume, const Point& voxel, Mask wanted) {
+    Cell cell;
+    cell.at = cell_at(volume, voxel, wanted);
+    const CellAt& at = cell.at;
+    const Int below = hn::Sub(at.texel, texel_at(volume, at.i, at.j, hn::Zero(Ints())));  // of the slice
+    for (int c = 0; c < 4; ++c) {
+      const Int column =
+          texel_at(volume, hn::Add(at.i, all_int(c & 1)), hn::Add(at.j, all_int(c >> 1)), hn::Zero(Ints()));
+      const WordPair pair = gather_slices(volume, hn::Add(below, column));
+      cell.corner[c] = hn::BitCast(Floats(), pair.first);
+      cell.corner[4 + c] = hn::BitCast(Floats(), pair.second);
+    }
+    return cell;
+  }
+  HWY_INLINE Float value(const Scene&) const {
+    Float row[4];
+    for (int r = 0; r < 4; ++r)
+      row[r] = lerp(corner[2 * r], corner[2 * r + 1], at.x);
+    return lerp(lerp(row[0], row[1], at.y), lerp(row[2], row[3], at.y), at.z);
+  }
+};
+
+HWY_INLINE Float coordinate_of(const Scene& scene, Float value) {
+  return hn::MulAdd(value, all(scene.eye.transfer[0]), all(scene.eye.transfer[1]));
+}
+
+/// A place in the transfer table; NaN is at its begin.
+struct Entry {
+  Int index;
+  Float place;
+};
+
+HWY_INLINE Entry entry_at(const Scene& scene, Float coordinate) {
+  const Float last = all(scene.eye.transfer[2]);
+  const Float above = hn::IfThenElseZero(hn::Gt(coordinate, hn::Zero(Floats())), coordinate);
+  const Float clamped = hn::Min(above, last);
+  const Int index = hn::Min(to_int(clamped), to_int(hn::Sub(last, all(1.0f))));
+  return {index, hn::Sub(clamped, to_float(index))};
+}
+
+/// Colour, and the optical depth of a full step.
+struct Look {
+  Point colour;
+  Float depth;
+};
+
+HWY_INLINE Look look_up(const Scene& scene, const Entry& entry) {
+  const Quads low = gather_quads(scene.transfer, entry.index);
+  const Quads high = gather_quads(scene.transfer + 4, entry.index);
+  const auto column = [&](int c) { return lerp(low.column[c], high.column[c], entry.place); };
+  return {{column(0), column(1), column(2)}, column(3)};
+}
+
+/// What tells whether one of four bytes of a word is above a limit: the sum of its lower seven bits and `add`
+/// has its top bit set if these are; `either` says whether the byte's own top bit is enough.
+struct EmptyBytes {
+  bool possible = false;
+  std::uint32_t add = 0, either = 0;
+};
+
+/// For the largest 8-bit voxel up to which everything is fully transparent.
+EmptyBytes empty_bytes(const Scene& scene) {
+  const auto is_empty = [&](int voxel) {
+    return static_cast<float>(voxel) * scene.eye.transfer[0] + scene.eye.transfer[1] <= scene.eye.transfer[3];
+  };
+  std::uint32_t voxels = 0;
+  while (voxels < 256 && is_empty(static_cast<int>(voxels)))
+    ++voxels;
+  if (voxels == 0) return {};
+  const std::uint32_t limit = voxels - 1;
+  return {true, (127u - (limit & 127u)) * 0x01010101u, limit < 128 ? 0x80808080u : 0u};
+}
+
+/// Whether the transfer function shows nothing of a cell because all of it is too low.
+HWY_INLINE Mask is_empty(const Scene&, const Cell<BRACE_VOXEL_UINT8>& cell, const EmptyBytes& empty) {
+  const auto over = [&](Word texels) {
+    const Word sum = hn::Add(hn::And(texels, hn::Set(Words(), 0x7f7f7f7fu)), hn::Set(Words(), empty.add));
+    return hn::Or(hn::And(sum, texels), hn::And(hn::Or(sum, texels), hn::Set(Words(), empty.either)));
+  };
+  const Word above = hn::And(hn::Or(over(cell.near), over(cell.far)), hn::Set(Words(), 0x80808080u));
+  const Word nothing = hn::Set(Words(), empty.possible ? 0u : 1u);  // never equal where nothing is empty
+  return hn::RebindMask(Floats(), hn::Eq(above, nothing));
+}
+
+template <typename AnyCell>
+HWY_INLINE Mask is_empty(const Scene& scene, const AnyCell& cell, const EmptyBytes&) {
+  return hn::Le(coordinate_of(scene, cell.value(scene)), all(scene.eye.transfer[3]));
+}
+
+constexpr std::uint64_t shading_fetches_per_sample = 6;
+constexpr float shade_flat = 1e-3f;  // BRACE_SHADE_FLAT
+
+template <brace_voxel_type type>
+HWY_INLINE Float value_at(const Scene& scene, const Point& voxel, Mask wanted) {
+  const auto inside = [&](Float at, int axis) {
+    return hn::Max(hn::Zero(Floats()), hn::Min(at, all(scene.eye.volume_dims[axis])));
+  };
+  const Point clamped{inside(voxel.x, 0), inside(voxel.y, 1), inside(voxel.z, 2)};
+  return Cell<type>::fetch(*scene.volume, clamped, wanted).value(scene);
+}
+
+/// Blinn-Phong with the light at the eye, as brace/shade.glsl.
+template <brace_voxel_type type>
+HWY_NOINLINE void shade(const Scene& scene, const Packet& rays, const Point& at, Mask wanted, Point& colour) {
+  const Float one = all(1.0f);
+  const auto difference = [&](const Point& high, const Point& low, int axis) {
+    const float scale =
+        0.5f * scene.eye.voxels_per_unit[axis] * scene.eye.transfer[0] / scene.eye.transfer[2];
+    return hn::Mul(hn::Sub(value_at<type>(scene, high, wanted), value_at<type>(scene, low, wanted)),
+                   all(scale));
+  };
+  const Point g{difference({hn::Add(at.x, one), at.y, at.z}, {hn::Sub(at.x, one), at.y, at.z}, 0),
+                difference({at.x, hn::Add(at.y, one), at.z}, {at.x, hn::Sub(at.y, one), at.z}, 1),
+                difference({at.x, at.y, hn::Add(at.z, one)}, {at.x, at.y, hn::Sub(at.z, one)}, 2)};
+  const auto dot = [](const Point& a, const Point& b) {
+    return hn::MulAdd(a.x, b.x, hn::MulAdd(a.y, b.y, hn::Mul(a.z, b.z)));
+  };
+  const auto unit = [&](Float along, int axis) {
+    return hn::Mul(along, all(1.0f / scene.eye.voxels_per_unit[axis]));
+  };
+  const Point view{unit(rays.direction.x, 0), unit(rays.direction.y, 1), unit(rays.direction.z, 2)};
+  const Float flat = all(shade_flat);
+  const Float size = hn::Sqrt(dot(g, g));
+  const Float facing = hn::Min(hn::Div(hn::Add(hn::Abs(dot(g, view)), flat), hn::Add(size, flat)), one);
+  const Float power = hn::Exp(Floats(), hn::Mul(all(scene.shading.shininess), hn::Log(Floats(), facing)));
+  const Float glint =
+      hn::Mul(hn::Mul(all(scene.shading.specular), power), hn::Div(size, hn::Add(size, flat)));
+  const Float lit = hn::MulAdd(all(scene.shading.diffuse), facing, all(scene.shading.ambient));
+  colour = {hn::Min(hn::MulAdd(colour.x, lit, glint), one), hn::Min(hn::MulAdd(colour.y, lit, glint), one),
+            hn::Min(hn::MulAdd(colour.z, lit, glint), one)};
+}
+
+}  // namespace HWY_NAMESPACE
+}  // namespace native_cast
+HWY_AFTER_NAMESPACE();
+
+#endif
