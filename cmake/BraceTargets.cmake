@@ -13,7 +13,7 @@ function(brace_library name)
   set_target_properties(brace_${name} PROPERTIES POSITION_INDEPENDENT_CODE ON)
   brace_precompile(brace_${name} libraries
     <algorithm> <cmath> <filesystem> <fstream> <functional> <map> <memory> <optional> <set> <span> <string> <vector>
-    <fmt/format.h> <glm/gtc/quaternion.hpp>)
+    <fmt/format.h>)
 endfunction()
 
 # brace_precompile(TARGET GROUP HEADERS…): the group's targets share one compiled form of these headers, where
@@ -53,7 +53,7 @@ function(brace_test name)
   set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/tests)
   brace_precompile(${name} tests
     <algorithm> <cmath> <filesystem> <fstream> <map> <optional> <string> <vector>
-    <fmt/format.h> <glm/gtc/quaternion.hpp> <gmock/gmock.h> <gtest/gtest.h> <nlohmann/json.hpp>)
+    <fmt/format.h> <gmock/gmock.h> <gtest/gtest.h> <nlohmann/json.hpp>)
   set(leaks "ASAN_OPTIONS=detect_leaks=0")
   if(arg_LABEL STREQUAL "unit")
     set(leaks "ASAN_OPTIONS=detect_leaks=1")
