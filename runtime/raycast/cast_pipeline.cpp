@@ -82,11 +82,17 @@ CastPipeline::CastPipeline(const gpu::Device& device, const CastKernels& kernels
 
 void CastPipeline::set_eye(const gpu::Device& device, const EyeTarget& target, const EyeView& eye,
                            const VolumePlacement& placement, const VolumeOnDevice& volume,
-                           const TransferOnDevice& transfer) {
+                           const TransferOnDevice& transfer, const std::optional<RayGrid>& grid) {
   BRACE_CHECK(eye.width_px == target.width_px && eye.height_px == target.height_px);
   BraceEyeParams params = eye_params(eye, volume.info(), placement);
   transfer.describe(params);
   volume.describe(params);
+  if (grid) {
+    params.grid[0] = static_cast<std::uint32_t>(grid->across);
+    params.grid[1] = static_cast<std::uint32_t>(grid->down);
+    params.ray_base[3] = static_cast<float>(grid->left);
+    params.ray_dx[3] = static_cast<float>(grid->top);
+  }
   gpu::upload_values(device, target.params, std::span<const BraceEyeParams>(&params, 1));
 }
 

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -70,6 +71,12 @@ struct RayBuffers {
   gpu::Buffer entries, directions, colours, depths_m;
 };
 
+/// A grid of more rays than the image has pixels: `left` of them before its first column, `top` above it.
+struct RayGrid {
+  int across = 0, down = 0;
+  int left = 0, top = 0;
+};
+
 /// A rectangle of the ray grid.
 struct CastArea {
   int x = 0, y = 0, width = 0, height = 0;
@@ -90,9 +97,10 @@ class CastPipeline {
                const gpu::CompileOptions& options = {});
 
   /// Sets where the eye is; what `commands` recorded before reads it too, so nothing may be in flight.
+  /// `grid`: where a stereo stage wants rays beside the image; one ray per pixel without.
   static void set_eye(const gpu::Device& device, const EyeTarget& target, const EyeView& eye,
                       const VolumePlacement& placement, const VolumeOnDevice& volume,
-                      const TransferOnDevice& transfer);
+                      const TransferOnDevice& transfer, const std::optional<RayGrid>& grid = {});
 
   /// Everything that the kernels read and write, beside the bindings of other stages.
   struct Resources {

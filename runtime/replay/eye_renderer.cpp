@@ -12,10 +12,10 @@ bool is_native(const Session& session, const char* family) {
 }
 
 CastKernels session_kernels(const Session& session, const SceneOnDevice& scene,
-                            const std::filesystem::path& data_folder, bool counters) {
-  const std::array<const PipelineStage*, 4> stages = {&session.pipeline.at("rays"),
-                                                      &session.pipeline.at("cast"), &scene.skip_stage,
-                                                      &session.pipeline.at("stereo")};
+                            const std::filesystem::path& data_folder, bool counters, bool emits) {
+  std::vector<const PipelineStage*> stages = {&session.pipeline.at("rays"), &session.pipeline.at("cast"),
+                                              &scene.skip_stage};
+  if (emits) stages.push_back(&session.pipeline.at("stereo"));
   StageGlsl glsl = stage_glsl(stages);
   CastParts parts;
   parts.glsl_folder = data_folder / "glsl";
@@ -56,21 +56,29 @@ EyePair make_eye_pair(const gpu::Device& device, PictureSize size) {
 
 EyeRenderer::EyeRenderer(const gpu::Device& device, const Session& session, const Headset& headset,
                          const SceneOnDevice& scene, const VolumePlacement& placement,
-                         const std::filesystem::path& data_folder, Counting counting, Watchdog* watchdog)
+                         const std::filesystem::path& data_folder, Counting counting, Watchdog* watchdog,
+                         SecondEye second_eye)
     : device_(device),
       session_(session),
       headset_(headset),
       scene_(scene),
       placement_(placement),
       counting_(counting),
-      pipeline_(device, session_kernels(session, scene, data_folder, counting == Counting::on)),
+      pipeline_(device, session_kernels(session, scene, data_folder, counting == Counting::on,
+                                        !is_single_pass(session))),
       rays_(device, headset.eye.width_px, headset.eye.height_px, guard_bytes(watchdog)),
       commands_(device, "eyes"),
       watchdog_(watchdog) {
   activate_native_stages();
-  if (watchdog == nullptr) return;
-  watchdog->arm_guard(rays_.colours);
-  watchdog->arm_guard(rays_.depths_m);
+  if (watchdog != nullptr) {
+    watchdog->arm_guard(rays_.colours);
+    watchdog->arm_guard(rays_.depths_m);
+  }
+  if (second_eye == SecondEye::ray_cast || !is_single_pass(session)) return;
+  const StereoPlan plan = plan_single_pass(device, session, headset, scene.volume.info(), placement);
+  single_pass_ = std::make_unique<SinglePass>(
+      SinglePass::Inputs{device, session, headset, scene, placement, data_folder}, plan,
+      session_kernels(session, scene, data_folder, counting == Counting::on, !plan.layers_left_out));
 }
 
 void EyeRenderer::transfer_changed() {
@@ -155,6 +163,10 @@ JobOutcome EyeRenderer::render_by_steps(const Pose& world_from_head, const EyePa
 }
 
 JobOutcome EyeRenderer::render(const Pose& world_from_head, const EyePair& into) {
+  if (single_pass_) {
+    if (const std::optional<JobOutcome> outcome = single_pass_->render(world_from_head, into))
+      return *outcome;
+  }
   if (counting_ == Counting::on) pipeline_.reset_counters(device_);
   if (native_rays_ || native_cast_ || native_stereo_ || watchdog_ != nullptr)
     return render_by_steps(world_from_head, into);

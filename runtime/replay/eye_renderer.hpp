@@ -10,11 +10,9 @@
 #include "runtime/replay/headset.hpp"
 #include "runtime/replay/scene.hpp"
 #include "runtime/replay/scene_activation.hpp"
+#include "runtime/replay/single_pass.hpp"
 
 namespace brace {
-
-/// The pictures of both eyes, indexed by sim::Eye.
-using EyePair = std::array<EyeTarget, 2>;
 
 EyePair make_eye_pair(const gpu::Device& device, PictureSize size);
 
@@ -22,19 +20,26 @@ EyePair make_eye_pair(const gpu::Device& device, PictureSize size);
 class EyeRenderer {
  public:
   enum class Counting { off, on };
+  /// Where the second eye's picture comes from: the session's stereo stage, or rays of its own whatever that
+  /// says.
+  enum class SecondEye { as_session, ray_cast };
 
   /// The session's stages for rays, cast, skip and stereo are taken from its pipeline; any may be native.
   /// Throws device_error when a stage cannot be activated. `watchdog` may be null; what it watches is checked
   /// after every eye.
   EyeRenderer(const gpu::Device& device, const Session& session, const Headset& headset,
               const SceneOnDevice& scene, const VolumePlacement& placement,
-              const std::filesystem::path& data_folder, Counting counting, Watchdog* watchdog = nullptr);
+              const std::filesystem::path& data_folder, Counting counting, Watchdog* watchdog = nullptr,
+              SecondEye second_eye = SecondEye::as_session);
 
   JobOutcome render(const Pose& world_from_head, const EyePair& into);
 
   /// Call after the scene's transfer function has changed: native stages, which have it from their
   /// activation, are activated anew.
   void transfer_changed();
+
+  /// What became of single-pass stereo so far, for the report; empty without it.
+  std::string stereo_note() const { return single_pass_ ? single_pass_->note() : std::string(); }
 
  private:
   void activate_native_stages();
@@ -57,6 +62,7 @@ class EyeRenderer {
   HostRays host_rays_;
   Watchdog* watchdog_ = nullptr;
   std::uint64_t frame_ = 0;
+  std::unique_ptr<SinglePass> single_pass_;  // null where each eye is ray cast
 };
 
 }  // namespace brace

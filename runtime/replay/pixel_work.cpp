@@ -10,7 +10,7 @@ namespace brace {
 
 PixelWork::Ideal::Ideal(const Inputs& in)
     : renderer(in.device, in.session, in.headset, in.scene, in.placement, in.data_folder,
-               EyeRenderer::Counting::off),
+               EyeRenderer::Counting::off, nullptr, EyeRenderer::SecondEye::ray_cast),
       display(in.device, in.headset, in.no_warp, in.data_folder),
       eyes(make_eye_pair(in.device, in.headset.eye)) {}
 

@@ -39,6 +39,7 @@ class PixelWork final : public FrameWork {
   ShowOutcome show(const ShowRequest& request) override;
 
   const std::vector<EyePicture>& pictures() const { return pictures_; }
+  const EyeRenderer& renderer() const { return renderer_; }
 
  private:
   /// An ideal render: full quality, the true pose and transfer function of photon time, no warp.

@@ -143,6 +143,7 @@ Series replay_series(const LabelledSession& labelled, const ReplayOptions& optio
       make_work({session, options, headset, head, placement, device, vsyncs, run, labelled.label});
   apply_skip_choice(work, series);
   series.facts.insert(series.facts.end(), work.facts.begin(), work.facts.end());
+  series.left_out.insert(series.left_out.end(), work.left_out.begin(), work.left_out.end());
   FrameLoopConfig config = loop_config(session, headset, session.run.frames);
   config.transfer = work.scene ? work.scene->versions.schedule()
                                : transfer_schedule(session.scene, headset.profile.refresh);
@@ -159,7 +160,11 @@ Series replay_series(const LabelledSession& labelled, const ReplayOptions& optio
   sink.finish();
   series.jobs = series.records.jobs_by_submission();
   if (work.watchdog != nullptr) series.faults = find_faults(*work.watchdog, session, headset, series.jobs);
-  if (work.pixels != nullptr) series.pictures = work.pixels->pictures();
+  if (work.pixels != nullptr) {
+    series.pictures = work.pixels->pictures();
+    if (const std::string note = work.pixels->renderer().stereo_note(); !note.empty())
+      series.facts.push_back({"stereo/layers, frames", note});
+  }
   return series;
 }
 

@@ -67,15 +67,28 @@ std::string probe_fact(std::int64_t vsyncs) {
                      std::min<std::int64_t>(kProbes, vsyncs));
 }
 
-std::unique_ptr<FrameWork> count_with_probes(const SeriesWorkInputs& in, SceneOnDevice& scene,
-                                             Watchdog* watchdog) {
+std::unique_ptr<FrameWork> count_with_probes(const SeriesWorkInputs& in, SeriesWork& work) {
+  SceneOnDevice& scene = *work.scene;
   EyeRenderer renderer(*in.device, in.session, in.headset, scene, in.placement, in.options.data_folder,
-                       EyeRenderer::Counting::on, watchdog);
+                       EyeRenderer::Counting::on, work.watchdog.get());
   const PanelDisplay display(*in.device, in.headset, in.session.pipeline.at("warp"), in.options.no_warp,
                              scene_activation(*in.device, in.session, in.headset, scene, in.placement),
                              in.options.data_folder);
-  return std::make_unique<CountedWork>(
+  auto counted = std::make_unique<CountedWork>(
       probe_work(renderer, *in.device, scene, in.head, in.vsyncs, in.headset, display.work(), in.options));
+  if (const std::string note = renderer.stereo_note(); !note.empty())
+    work.facts.push_back({"stereo/layers, frames", note});
+  return counted;
+}
+
+/// What single-pass stereo takes, said before any of it is allocated.
+void announce_stereo(const SeriesWorkInputs& in, SeriesWork& work) {
+  if (!is_single_pass(in.session)) return;
+  const StereoPlan plan =
+      plan_single_pass(*in.device, in.session, in.headset, work.scene->volume.info(), in.placement);
+  fmt::print(stderr, "stereo/layers: {}\n", plan.summary);
+  work.facts.push_back({"stereo/layers", plan.summary});
+  if (plan.layers_left_out) work.left_out.push_back({"stereo", plan.summary});
 }
 
 void load(const SeriesWorkInputs& in, SeriesWork& work) {
@@ -84,6 +97,7 @@ void load(const SeriesWorkInputs& in, SeriesWork& work) {
   work.facts.push_back({"volume path", work.scene->volume.path_reason()});
   for (const std::string& note : work.scene->volume.info().notes)
     work.facts.push_back({"volume", note});
+  announce_stereo(in, work);
 }
 
 }  // namespace
@@ -108,7 +122,7 @@ SeriesWork make_work(const SeriesWorkInputs& in) {
     work.pixels = rendered.get();
     work.frame_work = std::move(rendered);
   } else if (work.scene) {
-    work.frame_work = count_with_probes(in, *work.scene, work.watchdog.get());
+    work.frame_work = count_with_probes(in, work);
     work.facts.push_back({"counted work", probe_fact(in.vsyncs)});
   } else if (session.clock.cost.rfind("recorded:", 0) == 0) {
     work.frame_work = std::make_unique<RecordedWork>(session.clock.cost.substr(9));

@@ -30,6 +30,7 @@ struct SeriesWork {
   std::unique_ptr<FrameWork> frame_work;  // uses the scene and the watchdog
   PixelWork* pixels = nullptr;            // the same, where it makes pictures
   std::vector<Fact> facts;                // for the report
+  std::vector<LeftOut> left_out;
 };
 
 /// Pictures where the session wants some, or measures its costs; else counts from probes, or those of a

@@ -23,8 +23,9 @@ namespace brace {
 
 struct BraceEyeParams {
   BRACE_VEC4(eye);             /* xyz: the eye in voxel coordinates; w: metres per unit */
-  BRACE_VEC4(ray_base);        /* xyz: direction through the image's upper left corner, volume axes, metric */
-  BRACE_VEC4(ray_dx);          /* xyz: change of that direction per pixel to the right */
+  BRACE_VEC4(ray_base);        /* xyz: direction through the image's upper left corner, volume axes, metric;
+                                  w: rays left of the image */
+  BRACE_VEC4(ray_dx);          /* xyz: change of that direction per pixel to the right; w: rays above the image */
   BRACE_VEC4(ray_dy);          /* xyz: … per pixel downwards */
   BRACE_VEC4(voxels_per_unit); /* xyz: voxels along each axis per unit of length, at most 1 */
   BRACE_VEC4(volume_dims);     /* xyz: voxels along each axis */

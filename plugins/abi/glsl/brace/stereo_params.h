@@ -1,0 +1,37 @@
+/* What the kernels of stereo/layers know of the pair of eyes in one frame. One text for C++ and GLSL (std140).
+ * Lengths are in units (the smallest voxel spacing), columns and rows in pixels.
+ */
+#ifndef BRACE_STEREO_PARAMS_H
+#define BRACE_STEREO_PARAMS_H
+
+#ifdef __cplusplus
+#include <cstdint>
+#define BRACE_VEC4(name) float name[4]
+#define BRACE_IVEC4(name) std::int32_t name[4]
+#define BRACE_UVEC4(name) std::uint32_t name[4]
+namespace brace {
+#else
+#define BRACE_VEC4(name) vec4 name
+#define BRACE_IVEC4(name) ivec4 name
+#define BRACE_UVEC4(name) uvec4 name
+#endif
+
+struct BraceStereoParams {
+  BRACE_VEC4(forward);  /* xyz: the eyes' view direction, volume axes, metric, of length 1 */
+  BRACE_VEC4(line);     /* a ray of column c falls on column x * c + y - z / depth of the second eye */
+  BRACE_VEC4(depths);   /* x, y: depths between which the volume lies */
+  BRACE_VEC4(tangents); /* second eye: x: at its left edge, y: per pixel; z: at its top edge, w: per pixel */
+  BRACE_VEC4(rows);     /* a row r of the second eye lies on row x * r + y of the first */
+  BRACE_IVEC4(grid);    /* xy: rays left of and above the first eye's picture; zw: rays across and down */
+  BRACE_UVEC4(layers);  /* x: layers; y: this frame's number, never 0; zw: the second eye's picture */
+};
+
+#ifdef __cplusplus
+}
+static_assert(sizeof(brace::BraceStereoParams) == 112);
+#endif
+#undef BRACE_VEC4
+#undef BRACE_IVEC4
+#undef BRACE_UVEC4
+
+#endif

@@ -1,0 +1,165 @@
+// stereo/layers through the command: its pictures beside those of two passes.
+#include <algorithm>
+#include <cmath>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "base/image.hpp"
+#include "tests/cli/command.hpp"
+
+namespace brace {
+namespace {
+
+using test::Outcome;
+using test::Workplace;
+using ::testing::HasSubstr;
+
+const std::string session = R"([device]
+profile = "htc-vive"
+resolution_scale = 0.06
+lens = "none"
+tracker = "ideal"
+[trace]
+neck = { motion = "rotation", degrees = 20, seconds = 0.3 }
+[scene]
+volume = "generator:fractal_vessels:24"
+transfer_function = "ct-soft-tissue"
+size_m = 0.5
+position = "front:0.9"
+[clock]
+cost = "model:gtx-1080"
+[pipeline]
+warp = "none"
+[output]
+images = "list:4"
+[run]
+frames = 6
+)";
+
+class Stereo : public ::testing::Test {
+ protected:
+  Outcome run(const std::string& name, std::vector<std::string> settings) {
+    place_.write("s.toml", session);
+    std::vector<std::string> arguments = {"run", "s.toml", "--out", name};
+    for (const std::string& setting : settings) {
+      arguments.push_back("--set");
+      arguments.push_back(setting);
+    }
+    return place_.brace(arguments);
+  }
+  ImageRgba8 picture(const std::string& name, const char* eye) {
+    return read_png(place_ / name / "images" / (std::string("000004_") + eye + ".png"));
+  }
+  nlohmann::json summary(const std::string& name) {
+    return nlohmann::json::parse(place_.read(name + "/summary.json"));
+  }
+  Workplace place_;
+};
+
+int largest_difference(const ImageRgba8& a, const ImageRgba8& b) {
+  int largest = 0;
+  for (int y = 0; y < a.height_px; ++y) {
+    for (int x = 0; x < a.width_px; ++x) {
+      const auto &p = a.at(x, y), &q = b.at(x, y);
+      largest = std::max({largest, std::abs(p.r - q.r), std::abs(p.g - q.g), std::abs(p.b - q.b)});
+    }
+  }
+  return largest;
+}
+
+double mean_difference(const ImageRgba8& a, const ImageRgba8& b) {
+  double sum = 0.0;
+  for (int y = 0; y < a.height_px; ++y)
+    for (int x = 0; x < a.width_px; ++x)
+      sum += std::abs(a.at(x, y).r - b.at(x, y).r);
+  return sum / (a.width_px * a.height_px);
+}
+
+TEST_F(Stereo, CastEyeIsThatOfTwoPassesBitForBitAndTheOtherClose) {
+  ASSERT_EQ(run("two", {}).exit_code, 0);
+  const Outcome layers = run("one", {"pipeline.stereo=layers"});
+  ASSERT_EQ(layers.exit_code, 0) << layers.err;
+  EXPECT_THAT(layers.err, HasSubstr("layers of"));
+  EXPECT_EQ(largest_difference(picture("two", "left"), picture("one", "left")), 0);
+  const double eyes_apart = mean_difference(picture("two", "left"), picture("two", "right"));
+  const double error = mean_difference(picture("two", "right"), picture("one", "right"));
+  EXPECT_GT(eyes_apart, 0.5);
+  EXPECT_LT(error, 0.25 * eyes_apart);
+}
+
+TEST_F(Stereo, HomogeneousSlabIsTheSameInBothPasses) {
+  // Translucent: an opaque one would hide wrong path lengths.
+  place_.write("thin.toml", R"(name = "thin"
+domain = "fraction"
+points = [
+  { value = 0.0, r = 1.0, g = 0.5, b = 0.25, opacity = 0.04 },
+  { value = 1.0, r = 1.0, g = 0.5, b = 0.25, opacity = 0.04 },
+]
+)");
+  const std::vector<std::string> slab = {"scene.volume=generator:slab:16", "scene.size_m=0.5",
+                                         "scene.transfer_function=thin.toml"};
+  ASSERT_EQ(run("two", slab).exit_code, 0);
+  std::vector<std::string> layers = slab;
+  layers.insert(layers.end(), {"pipeline.stereo=layers", "stage.layers.format=rgba32f"});
+  ASSERT_EQ(run("one", layers).exit_code, 0);
+  const ImageRgba8 two = picture("two", "right"), one = picture("one", "right");
+  // Away from the edges of the box, where the path's length has kinks that pixels of both eyes cut elsewhere:
+  // where the picture is smooth.
+  int inside = 0;
+  for (int y = 1; y + 1 < two.height_px; ++y) {
+    for (int x = 1; x + 1 < two.width_px; ++x) {
+      int lowest = 255, highest = 0;
+      for (int dy = -1; dy <= 1; ++dy) {
+        for (int dx = -1; dx <= 1; ++dx) {
+          lowest = std::min<int>(lowest, two.at(x + dx, y + dy).r);
+          highest = std::max<int>(highest, two.at(x + dx, y + dy).r);
+        }
+      }
+      if (lowest == 0 || highest - lowest > 3) continue;
+      ASSERT_LT(highest, 200);
+      ++inside;
+      EXPECT_NEAR(one.at(x, y).r, two.at(x, y).r, 2) << x << " " << y;
+    }
+  }
+  EXPECT_GT(inside, 20);
+}
+
+TEST_F(Stereo, TooNearForTheLayersIsCastTwiceAndCounted) {
+  const std::vector<std::string> near = {"scene.position=front:0.5", "stage.layers.layers=2"};
+  std::vector<std::string> layers = near;
+  layers.push_back("pipeline.stereo=layers");
+  const Outcome outcome = run("one", layers);
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  ASSERT_EQ(run("two", {"scene.position=front:0.5"}).exit_code, 0);
+  EXPECT_EQ(largest_difference(picture("two", "right"), picture("one", "right")), 0);
+  EXPECT_THAT(place_.read("one/report.html"), HasSubstr("ray cast twice"));
+}
+
+TEST_F(Stereo, VolumeBehindTheEyesIsNotSeen) {
+  const Outcome outcome = run("one", {"pipeline.stereo=layers", "scene.position=front:-2"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  EXPECT_EQ(largest_difference(picture("one", "left"), picture("one", "right")), 0);
+  EXPECT_EQ(place_.read("one/report.html").find("ray cast twice"), std::string::npos);
+}
+
+TEST_F(Stereo, LessThanAPixelOfDisparityLeavesTheStageOut) {
+  const Outcome outcome =
+      run("one", {"pipeline.stereo=layers", "stage.layers.near_m=20", "scene.position=front:30"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  bool said = false;
+  const nlohmann::json one = summary("one");
+  for (const auto& left_out : one["left_out"])
+    said = said || left_out["stage"] == "stereo";
+  EXPECT_TRUE(said);
+}
+
+TEST_F(Stereo, CantedDisplaysAreRefused) {
+  const Outcome outcome = run("one", {"pipeline.stereo=layers", "device.profile=valve-index"});
+  EXPECT_EQ(outcome.exit_code, 2);
+  EXPECT_THAT(outcome.err, HasSubstr("canted"));
+}
+
+}  // namespace
+}  // namespace brace
