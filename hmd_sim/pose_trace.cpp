@@ -63,11 +63,6 @@ std::size_t find_segment(const std::vector<TimedPose>& poses, SimTime time, std:
   return std::min(static_cast<std::size_t>(after - poses.begin()) - 1, last);
 }
 
-struct Rates {
-  glm::dvec3 angular_rad_s{0.0};  // head frame
-  glm::dvec3 linear_m_s{0.0};     // world frame
-};
-
 constexpr std::size_t stencil_points =
     5;  // points of a rate's stencil: a rate of order 4, so that Hermite keeps its 4
 
@@ -96,11 +91,11 @@ Window stencil_window(const std::vector<TimedPose>& poses, std::size_t knot) {
 
 // Derivative at `knot` of the polynomial through the window's poses, in the chart q_knot^-1 q, whose rate at
 // its own centre is the body rate. `knot` itself is the chart's zero and drops out of the sum.
-Rates rates_at(const std::vector<TimedPose>& poses, std::size_t knot) {
+PoseTrace::Rates rates_at(const std::vector<TimedPose>& poses, std::size_t knot) {
   const Window window = stencil_window(poses, knot);
   const auto x = [&](std::size_t j) { return seconds_between(poses[knot].time, poses[j].time); };
   const Pose& centre = poses[knot].world_from_head;
-  Rates rates;
+  PoseTrace::Rates rates;
   for (std::size_t j = window.first; j <= window.last; ++j) {
     if (j == knot) continue;
     double weight = 1.0 / x(j);
@@ -121,19 +116,6 @@ Vector hermite(double s, double h, Vector from, Vector from_rate, Vector to, Vec
          to_rate * (h * (s3 - s2));
 }
 
-// Hermite in the log chart at the segment's first pose; the end's body rate is mapped into that chart.
-Pose hermite_pose(const std::vector<TimedPose>& poses, std::size_t i, double s) {
-  const Pose& a = poses[i].world_from_head;
-  const Pose& b = poses[i + 1].world_from_head;
-  const double h = seconds_between(poses[i].time, poses[i + 1].time);
-  const Rates rate_a = rates_at(poses, i), rate_b = rates_at(poses, i + 1);
-  const glm::dvec3 turn = turn_between(a.orientation, b.orientation);
-  const glm::dvec3 chart = hermite(s, h, glm::dvec3(0.0), rate_a.angular_rad_s, turn,
-                                   chart_rate_from_body_rate(turn, rate_b.angular_rad_s));
-  return {glm::normalize(a.orientation * quat_exp(chart)),
-          hermite(s, h, a.position, rate_a.linear_m_s, b.position, rate_b.linear_m_s)};
-}
-
 }  // namespace
 
 PoseTrace::PoseTrace(std::string name, std::vector<TimedPose> poses)
@@ -146,6 +128,22 @@ PoseTrace::PoseTrace(std::string name, std::vector<TimedPose> poses)
     check_pose(name_, i, poses_[i]);
     if (i > 0) check_neighbours(name_, i, poses_[i - 1], poses_[i]);
   }
+  rates_.reserve(poses_.size());
+  for (std::size_t i = 0; i < poses_.size(); ++i)
+    rates_.push_back(rates_at(poses_, i));
+}
+
+// Hermite in the log chart at the segment's first pose; the end's body rate is mapped into that chart.
+Pose PoseTrace::hermite_pose(std::size_t i, double s) const {
+  const Pose& a = poses_[i].world_from_head;
+  const Pose& b = poses_[i + 1].world_from_head;
+  const double h = seconds_between(poses_[i].time, poses_[i + 1].time);
+  const Rates &rate_a = rates_[i], &rate_b = rates_[i + 1];
+  const glm::dvec3 turn = turn_between(a.orientation, b.orientation);
+  const glm::dvec3 chart = hermite(s, h, glm::dvec3(0.0), rate_a.angular_rad_s, turn,
+                                   chart_rate_from_body_rate(turn, rate_b.angular_rad_s));
+  return {glm::normalize(a.orientation * quat_exp(chart)),
+          hermite(s, h, a.position, rate_a.linear_m_s, b.position, rate_b.linear_m_s)};
 }
 
 bool PoseTrace::valid_at(SimTime time) const {
@@ -174,7 +172,7 @@ Pose PoseTrace::at(SimTime time, Interpolation interpolation, std::size_t& hint)
   const TimedPose& b = poses_[i + 1];
   if (time == a.time || is_gap(a, b)) return a.world_from_head;
   const double s = static_cast<double>(to_ns(time - a.time)) / static_cast<double>(to_ns(b.time - a.time));
-  if (interpolation == Interpolation::hermite) return hermite_pose(poses_, i, s);
+  if (interpolation == Interpolation::hermite) return hermite_pose(i, s);
   return {slerp_near(a.world_from_head.orientation, b.world_from_head.orientation, s),
           a.world_from_head.position * (1.0 - s) + b.world_from_head.position * s};
 }

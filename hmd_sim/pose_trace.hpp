@@ -46,9 +46,18 @@ class PoseTrace {
   /// The same; `hint` is an index kept by the caller that makes a forward walk amortised O(1).
   Pose at(SimTime time, Interpolation interpolation, std::size_t& hint) const;
 
+  /// How the head moves at a pose, from the poses around it.
+  struct Rates {
+    glm::dvec3 angular_rad_s{0.0};  // head frame
+    glm::dvec3 linear_m_s{0.0};     // world frame
+  };
+
  private:
+  Pose hermite_pose(std::size_t i, double s) const;
+
   std::string name_;
   std::vector<TimedPose> poses_;
+  std::vector<Rates> rates_;  // per pose, for Hermite
 };
 
 }  // namespace brace::sim

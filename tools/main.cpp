@@ -133,8 +133,9 @@ void add_bench(CLI::App& app, BenchCommand& command, Action& action) {
 void add_verify(CLI::App& app, VerifyCommand& command, Action& action) {
   CLI::App* verify =
       app.add_subcommand("verify", "Verify the numerics: each claim with its figure and bound");
-  verify->add_option("groups", command.groups,
-                     "integrators, adaptive, stability, absorption, skipping, lenses, motion (default: all)");
+  verify->add_option(
+      "groups", command.groups,
+      "integrators, adaptive, stability, absorption, skipping, extremes, lenses, motion (default: all)");
   verify->add_option("--out", command.out, "Folder to write report.html into");
   add_gpu_option(*verify, command.gpu);
   verify->add_flag("--json", command.json, "Print JSON");

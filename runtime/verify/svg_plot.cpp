@@ -124,12 +124,12 @@ std::string error_plot(const std::vector<const ErrorCurve*>& curves) {
 }
 
 std::string stability_map(const std::vector<const StabilityRow*>& rows) {
-  constexpr double left = 230, cell = 24, row_height = 22, top = 8;
+  constexpr double left = 310, cell = 24, row_height = 22, top = 8;
   const double width = left + cell * 25 + 10;
   const double height = top + row_height * static_cast<double>(rows.size()) + 40;
   std::string svg = fmt::format(
       "<svg viewBox='0 0 {} {}' role='img' aria-label='Error per rule and stiffness' font-size='12' "
-      "fill='currentColor' style='min-width:640px'>",
+      "fill='currentColor' style='min-width:760px'>",
       width, height);
   for (std::size_t row = 0; row < rows.size(); ++row) {
     const double y = top + row_height * static_cast<double>(row);

@@ -43,6 +43,7 @@ const std::vector<VerifyGroup>& verify_groups() {
        "Accumulators, Beer–Lambert conversions, opacity correction, transfer function integrals",
        verify_absorption},
       {"skipping", "Empty-space skipping changes no bit of a picture", verify_skipping},
+      {"extremes", "Stiff and extreme scenes through every integrator and skip stage", verify_extremes},
       {"lenses", "Lens models of all device profiles", verify_lenses},
       {"motion", "Quaternions, head traces, vsync times, image error", verify_motion},
   };

@@ -85,6 +85,7 @@ void verify_stability(const VerifySubjects& subjects, Claims& claims, VerifyFigu
 void verify_absorption(const VerifySubjects& subjects, Claims& claims, VerifyFigures& figures);
 void verify_adaptive(const VerifySubjects& subjects, Claims& claims, VerifyFigures& figures);
 void verify_skipping(const VerifySubjects& subjects, Claims& claims, VerifyFigures& figures);
+void verify_extremes(const VerifySubjects& subjects, Claims& claims, VerifyFigures& figures);
 void verify_lenses(const VerifySubjects& subjects, Claims& claims, VerifyFigures& figures);
 void verify_motion(const VerifySubjects& subjects, Claims& claims, VerifyFigures& figures);
 

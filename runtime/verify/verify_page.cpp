@@ -23,14 +23,18 @@ std::string tile(const std::string& name, const std::string& value, const std::s
       bad ? " bad" : "", name, value, more);
 }
 
+std::string unit_text(const Claim& claim) {
+  return claim.unit.empty() ? std::string() : fmt::format(" {}", html_text(claim.unit));
+}
+
 std::string claims_table(const VerifyReport& report, const std::string& group) {
   std::string rows;
   for (const Claim& claim : report.claims) {
     if (claim.group != group) continue;
-    rows += fmt::format("<tr{}><td>{}</td><td>{}{}</td><td>{}</td><td>{}</td></tr>",
-                        claim.passed ? "" : " class='failed'", html_text(claim.claim),
-                        figure_text(claim.figure), claim.unit.empty() ? "" : " " + html_text(claim.unit),
-                        to_string(claim.bound), claim.passed ? "pass" : "FAIL");
+    rows +=
+        fmt::format("<tr{}><td>{}</td><td>{}{}</td><td>{}</td><td>{}</td></tr>",
+                    claim.passed ? "" : " class='failed'", html_text(claim.claim), figure_text(claim.figure),
+                    unit_text(claim), to_string(claim.bound), claim.passed ? "pass" : "FAIL");
   }
   return fmt::format(
       "<div class='scroll'><table class='claims'><thead><tr><th>Claim</th><th>Figure</th><th>Bound</th>"
@@ -74,7 +78,8 @@ constexpr const char* kStyle =
     "tr.failed td { color: var(--bad); font-weight: 600; }"
     ".plots { display: grid; grid-template-columns: repeat(auto-fit, minmax(min(100%, 420px), 1fr)); gap: "
     "14px;"
-    " margin-bottom: 12px; } .plots svg { width: 100%; height: auto; } .legend svg { width: 14px; }"
+    " margin-bottom: 12px; } .plots figure { max-width: 560px; width: 100%; margin: 0 auto; } .plots figure "
+    "> svg { width: 100%; height: auto; } .legend svg { width: 14px; }"
     ".legend { justify-content: center; }";
 
 // The colours follow the system's preference until the button is pressed.

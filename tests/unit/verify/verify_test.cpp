@@ -165,6 +165,15 @@ const std::vector<Mutation>& mutations() {
          if (c.skip == SkipKind::octree) r.colours[100].g = std::nextafter(r.colours[100].g, 1.0f);
        })},
       {"nothing is skipped", "skipping", with_rule([](CastCase& c) { c.skip = SkipKind::none; })},
+      // Extreme scenes.
+      {"not a number where nothing is visible", "extremes", with_result([](const CastCase& c, CastResult& r) {
+         for (glm::vec4& colour : r.colours)
+           if (colour.a == 0.0f && c.rule.integrator == "left") colour.g = NAN;
+       })},
+      {"opaque is not quite opaque", "extremes", with_result([](const CastCase&, CastResult& r) {
+         for (glm::vec4& colour : r.colours)
+           colour *= 0.99f;
+       })},
       // Lenses.
       {"inverse by three steps of a fixed point", "lenses",
        [](VerifySubjects& s) {
