@@ -122,20 +122,29 @@ WorkPrecision measure(Caster& caster, const Scene& scene, const CastRule& rule, 
   return point;
 }
 
-/// Samples that a curve takes to an error: between its points straight in logarithms; none outside them.
+/// Samples that a curve takes to an error: between its points straight in logarithms; those of its cheapest
+/// point where that is good enough already; none where no point is.
 std::optional<double> samples_at(std::vector<std::array<double, 2>> curve, double error) {
   std::sort(curve.begin(), curve.end(), [](const auto& a, const auto& b) { return a[0] < b[0]; });
-  for (std::size_t i = 1; i < curve.size(); ++i) {
-    const auto& [n0, e0] = curve[i - 1];
+  for (std::size_t i = 0; i < curve.size(); ++i) {
     const auto& [n1, e1] = curve[i];
-    if (e0 < error || e1 > error || e0 == e1) continue;
+    if (e1 > error) continue;
+    if (i == 0) return n1;
+    const auto& [n0, e0] = curve[i - 1];
     const double place = std::log(e0 / error) / std::log(e0 / e1);
     return std::exp(std::lerp(std::log(n0), std::log(n1), place));
   }
   return std::nullopt;
 }
 
+/// 0 where adaptive steps do not get there and fixed ones do.
+double ratio(std::optional<double> fixed, std::optional<double> adaptive) {
+  if (!fixed) return std::nan("");
+  return adaptive ? *fixed / *adaptive : 0.0;
+}
+
 double median(std::vector<double> values) {
+  std::erase_if(values, [](double value) { return std::isnan(value); });
   if (values.empty()) return std::nan("");
   std::sort(values.begin(), values.end());
   const std::size_t half = values.size() / 2;
@@ -160,10 +169,9 @@ void compare(IntegratorBenchResult& result, const std::string& scene, double err
   }
   for (const char* rule : {"linear-source", "pre-integrated"}) {
     const Curve &fixed = curves[{rule, false}], &adaptive = curves[{rule, true}];
-    const auto a = samples_at(adaptive.skipped, error), f = samples_at(fixed.skipped, error);
-    const auto a_whole = samples_at(adaptive.whole, error), f_whole = samples_at(fixed.whole, error);
-    if (!a || !f || !a_whole || !f_whole || !fewest) continue;
-    result.savings.push_back({scene, rule, error, *f / *a, *f_whole / *a_whole, *fewest / *a});
+    const auto a = samples_at(adaptive.skipped, error), a_whole = samples_at(adaptive.whole, error);
+    result.savings.push_back({scene, rule, error, ratio(samples_at(fixed.skipped, error), a),
+                              ratio(samples_at(fixed.whole, error), a_whole), ratio(fewest, a)});
   }
 }
 
@@ -253,12 +261,16 @@ std::string to_text(const IntegratorBenchResult& result) {
       text += "\n";
   }
   text +=
-      fmt::format("\nfixed / adaptive samples at an RMS error of {:g}\n  {:<44}{:<18}{:>10}{:>12}{:>18}\n",
+      fmt::format("\nfixed / adaptive samples at an RMS error of {:g}\n  {:<44}{:<18}{:>13}{:>13}{:>18}\n",
                   kTargetError, "scene", "rule", "skipping", "no skipping", "best fixed rule");
+  const auto times = [](double value) {
+    if (std::isnan(value)) return std::string("fixed never");
+    return value > 0 ? fmt::format("{:.2f}x", value) : std::string("not reached");
+  };
   for (const AdaptiveSaving& saving : result.savings)
-    text += fmt::format("  {:<44}{:<18}{:>9.2f}x{:>11.2f}x{:>17.2f}x\n", saving.scene, saving.rule,
-                        saving.ratio, saving.ratio_unskipped, saving.ratio_best_fixed);
-  text += fmt::format("  {:<62}{:>9.2f}x{:>11.2f}x{:>17.2f}x\n",
+    text += fmt::format("  {:<44}{:<18}{:>13}{:>13}{:>18}\n", saving.scene, saving.rule, times(saving.ratio),
+                        times(saving.ratio_unskipped), times(saving.ratio_best_fixed));
+  text += fmt::format("  {:<62}{:>12.2f}x{:>12.2f}x{:>17.2f}x\n",
                       fmt::format("median ({} scans)", result.real_volumes), result.median_ratio,
                       result.median_ratio_unskipped, result.median_ratio_best_fixed);
   return text;

@@ -26,7 +26,8 @@ struct WorkPrecision {
   double error_rms = 0.0, error_p99 = 0.0;  // of a ray's colour and opacity, 0 … 1
 };
 
-/// Samples that fixed steps take per sample of adaptive ones, at the same RMS error and rule.
+/// Samples that fixed steps take per sample of adaptive ones, at the same RMS error and rule; 0 where
+/// adaptive steps do not reach the error, NaN where fixed ones do not.
 struct AdaptiveSaving {
   std::string scene, rule;
   double error = 0.0;
