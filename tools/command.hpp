@@ -26,6 +26,16 @@ struct RunCommand {
 };
 int run_command(const RunCommand& command);
 
+struct CompareCommand {
+  std::filesystem::path a, b;           // run directories
+  std::vector<std::string> tolerances;  // FIGURE=VALUE
+  double confidence = 0.95;
+  int resamples = 1000;
+  std::uint64_t seed = 1;
+  bool json = false;
+};
+int compare_command(const CompareCommand& command);
+
 struct ListCommand {
   std::string what;  // devices, stages, plugins, generators, costs, transfer-functions, traces, keys
   std::vector<std::string> plugin_path;

@@ -45,6 +45,26 @@ void add_run(CLI::App& app, RunCommand& command, Action& action) {
   run->callback([&] { action = [&] { return run_command(command); }; });
 }
 
+void add_compare(CLI::App& app, CompareCommand& command, Action& action) {
+  CLI::App* compare = app.add_subcommand("compare", "Is run B worse than run A? Exit code 1 if so");
+  compare->add_option("a", command.a, "Run directory to compare with: the baseline")->required();
+  compare->add_option("b", command.b, "Run directory under test")->required();
+  compare
+      ->add_option("--tolerance", command.tolerances,
+                   "FIGURE=VALUE: how much worse it may be, in its own unit or as a share (5%); repeatable")
+      ->allow_extra_args(false);
+  compare->add_option("--confidence", command.confidence, "Of the interval of each difference")
+      ->check(CLI::Range(0.5, 0.9999))
+      ->capture_default_str();
+  compare->add_option("--resamples", command.resamples, "Bootstrap resamples")
+      ->check(CLI::Range(100, 1'000'000))
+      ->capture_default_str();
+  compare->add_option("--seed", command.seed, "Seed of the bootstrap")->capture_default_str();
+  compare->add_flag("--json", command.json, "Print JSON");
+  compare->footer("Example:\n  brace compare baseline runs/demo --tolerance mtp_rotation_ms.p99=5%");
+  compare->callback([&] { action = [&] { return compare_command(command); }; });
+}
+
 void add_list(CLI::App& app, ListCommand& command, Action& action) {
   CLI::App* list = app.add_subcommand("list", "What sessions can name");
   list->add_option("what", command.what,
@@ -197,6 +217,7 @@ int main(int argc, char** argv) {
       "Exit codes: 0 done, 1 a check failed, 2 bad input or usage, 3 device or plug-in failed.");
 
   RunCommand run;
+  CompareCommand compare;
   ListCommand list;
   DoctorCommand doctor;
   TraceCommands trace;
@@ -206,6 +227,7 @@ int main(int argc, char** argv) {
   CheckStageCommand check_stage;
   Action action;
   add_run(app, run, action);
+  add_compare(app, compare, action);
   add_trace(app, trace, action);
   add_list(app, list, action);
   add_doctor(app, doctor, action);
