@@ -37,8 +37,9 @@ WorkCounts sum(WorkCounts a, const WorkCounts& b) {
   return a;
 }
 
-std::uint64_t guard_bytes(const Watchdog* watchdog) {
-  return watchdog != nullptr && watchdog->watches_memory() ? watchdog_guard_bytes : 0;
+/// Of every renderer of a watched run: what one of them finds, the others survive.
+std::uint64_t guard_bytes(const Session& session) {
+  return session.run.watchdog == WatchdogLevel::full ? watchdog_guard_bytes : 0;
 }
 
 std::int64_t total_ns(std::span<const gpu::Timing> timings) {
@@ -66,7 +67,7 @@ EyeRenderer::EyeRenderer(const gpu::Device& device, const Session& session, cons
       counting_(counting),
       pipeline_(device, session_kernels(session, scene, data_folder, counting == Counting::on,
                                         !is_single_pass(session))),
-      rays_(device, headset.eye.width_px, headset.eye.height_px, guard_bytes(watchdog)),
+      rays_(device, headset.eye.width_px, headset.eye.height_px, guard_bytes(session)),
       commands_(device, "eyes"),
       watchdog_(watchdog) {
   activate_native_stages();
