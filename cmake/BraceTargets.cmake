@@ -11,24 +11,12 @@ function(brace_library name)
   add_library(brace::${name} ALIAS brace_${name})
   target_link_libraries(brace_${name} PUBLIC brace_options)
   set_target_properties(brace_${name} PROPERTIES POSITION_INDEPENDENT_CODE ON)
-  brace_precompile(brace_${name} libraries
-    <algorithm> <cmath> <filesystem> <fstream> <functional> <map> <memory> <optional> <set> <span> <string> <vector>)
 endfunction()
 
-# brace_precompile(TARGET GROUP HEADERS…): the group's targets share one compiled form of these headers, where
-# BRACE_PRECOMPILED_HEADERS is on. It is off for releases: there a missing #include is seen. Without fmt and glm: their
-# pragmas and intrinsics do not survive it at -O0.
-function(brace_precompile target group)
-  if(NOT BRACE_PRECOMPILED_HEADERS)
-    return()
-  endif()
-  get_property(owner GLOBAL PROPERTY brace_precompiled_${group})
-  if(owner)
-    target_precompile_headers(${target} REUSE_FROM ${owner})
-  else()
-    target_precompile_headers(${target} PRIVATE ${ARGN})
-    set_property(GLOBAL PROPERTY brace_precompiled_${group} ${target})
-  endif()
+# brace_hot(FILES…): loops over whole tables, volumes or pictures, worth optimising in debug builds as well: the tests
+# run them at every step.
+function(brace_hot)
+  set_source_files_properties(${ARGN} PROPERTIES COMPILE_OPTIONS "$<$<CONFIG:Debug>:-O1>")
 endfunction()
 
 # brace_data(DESTINATION FILES…): files the program reads at run time. They lie under share/brace beside bin/
@@ -51,9 +39,6 @@ function(brace_test name)
   add_executable(${name} ${arg_SOURCES})
   target_link_libraries(${name} PRIVATE brace_options ${arg_LIBRARIES} GTest::gmock GTest::gtest_main)
   set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/tests)
-  brace_precompile(${name} tests
-    <algorithm> <cmath> <filesystem> <fstream> <map> <optional> <string> <vector>
-    <gmock/gmock.h> <gtest/gtest.h> <nlohmann/json.hpp>)
   set(leaks "ASAN_OPTIONS=detect_leaks=0")
   if(arg_LABEL STREQUAL "unit")
     set(leaks "ASAN_OPTIONS=detect_leaks=1")

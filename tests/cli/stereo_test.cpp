@@ -1,6 +1,7 @@
 // stereo/layers through the command: its pictures beside those of two passes.
 #include <algorithm>
 #include <cmath>
+#include <sstream>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -52,6 +53,22 @@ class Stereo : public ::testing::Test {
   ImageRgba8 picture(const std::string& name, const char* eye) {
     return read_png(place_ / name / "images" / (std::string("000004_") + eye + ".png"));
   }
+  /// Of all casts, from costs.csv.
+  double samples(const std::string& name) {
+    std::istringstream rows(place_.read(name + "/costs.csv"));
+    std::string row, cell;
+    std::getline(rows, row);
+    const auto column =
+        std::count(row.begin(), row.begin() + static_cast<std::ptrdiff_t>(row.find("samples")), ',');
+    double sum = 0.0;
+    while (std::getline(rows, row)) {
+      std::istringstream cells(row);
+      for (std::ptrdiff_t i = 0; i <= column; ++i)
+        std::getline(cells, cell, ',');
+      sum += cell.empty() ? 0.0 : std::stod(cell);
+    }
+    return sum;
+  }
   nlohmann::json summary(const std::string& name) {
     return nlohmann::json::parse(place_.read(name + "/summary.json"));
   }
@@ -87,6 +104,17 @@ TEST_F(Stereo, CastEyeIsThatOfTwoPassesBitForBitAndTheOtherClose) {
   const double error = mean_difference(picture("two", "right"), picture("one", "right"));
   EXPECT_GT(eyes_apart, 0.5);
   EXPECT_LT(error, 0.25 * eyes_apart);
+}
+
+TEST_F(Stereo, SkippingChangesNoPictureOfEitherEye) {
+  ASSERT_EQ(run("none", {"pipeline.stereo=layers", "pipeline.skip=none"}).exit_code, 0);
+  for (const std::string skip : {"distance_map", "octree"}) {
+    const Outcome outcome = run(skip, {"pipeline.stereo=layers", "pipeline.skip=" + skip});
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+    for (const char* eye : {"left", "right"})
+      EXPECT_EQ(largest_difference(picture("none", eye), picture(skip, eye)), 0) << skip << " " << eye;
+    EXPECT_LT(samples(skip), samples("none")) << skip;
+  }
 }
 
 TEST_F(Stereo, HomogeneousSlabIsTheSameInBothPasses) {

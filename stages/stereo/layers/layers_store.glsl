@@ -2,7 +2,9 @@
 // are premultiplied. Nothing is cleared: a texel counts if the ray that owns it in this frame says so.
 #include "brace/stereo_params.h"
 
-layout(std140, set = 0, binding = 16) uniform BraceStereoBlock { BraceStereoParams stereo; };
+// No uniform block: Mesa 22.3's lavapipe inlines uniforms that conditions depend on, and crashes where a skip stage's
+// block has some as well.
+layout(std430, set = 0, binding = 16) readonly buffer BraceStereoBlock { BraceStereoParams stereo; };
 
 #if defined(BRACE_STEREO_FORMAT_RGBA8)
 layout(std430, set = 0, binding = 17) buffer BraceStereoLayers { uint stereo_texels[]; };

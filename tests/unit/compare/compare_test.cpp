@@ -13,7 +13,7 @@ namespace {
 std::vector<double> noise(std::size_t count, std::uint64_t seed) {
   std::vector<double> values;
   for (std::size_t i = 0; i < count; ++i)
-    values.push_back(sim::near_normal(sim::random_bits(seed, i)));
+    values.push_back(sim::near_normal(sim::random_bits(sim::stream_of(seed, 0), i)));
   return values;
 }
 
