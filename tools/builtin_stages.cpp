@@ -37,6 +37,7 @@ Stages make_stages(const std::vector<std::string>& plugin_path) {
   registry.add(stages::predict_none, {});
   registry.add(stages::predict_constant_rate, {});
   registry.add(stages::predict_constant_acceleration, {});
+  registry.add(stages::predict_kalman, {});
   registry.add(stages::control_fixed, {});
   stages.plugins = add_working_plugins(registry, plugin_search(plugin_path), print_log);
   return stages;

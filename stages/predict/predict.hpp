@@ -9,5 +9,6 @@ namespace brace::stages {
 extern const brace_stage_descriptor predict_none;
 extern const brace_stage_descriptor predict_constant_rate;
 extern const brace_stage_descriptor predict_constant_acceleration;
+extern const brace_stage_descriptor predict_kalman;
 
 }  // namespace brace::stages

@@ -187,8 +187,8 @@ TEST(FrameLoopExtremes, AThousandDegreesPerSecondStaysFinite) {
                                                                                .position_noise_m = 0.001,
                                                                                .orientation_noise_rad = 0.01,
                                                                                .dropout_probability = 0.3});
-  for (const auto* predictor :
-       {&stages::predict_none, &stages::predict_constant_rate, &stages::predict_constant_acceleration}) {
+  for (const auto* predictor : {&stages::predict_none, &stages::predict_constant_rate,
+                                &stages::predict_constant_acceleration, &stages::predict_kalman}) {
     rig.predictor = predictor;
     expect_sound(rig.run(50.0, 1.0), rig.result);
   }

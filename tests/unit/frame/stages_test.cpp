@@ -12,7 +12,7 @@ namespace {
 
 const brace_stage_descriptor* const built_in[] = {&stages::predict_none, &stages::predict_constant_rate,
                                                   &stages::predict_constant_acceleration,
-                                                  &stages::control_fixed};
+                                                  &stages::predict_kalman, &stages::control_fixed};
 
 std::vector<brace_tracker_sample> turning_history() {
   const sim::PoseTrace trace = sim::generate_trace({.motion = sim::Motion::natural, .seconds = 1});
