@@ -32,7 +32,9 @@ function(brace_data destination)
   install(FILES ${ARGN} DESTINATION ${CMAKE_INSTALL_DATADIR}/brace/${destination})
 endfunction()
 
-# brace_test(NAME LABEL LIBRARIES SOURCES…): a GoogleTest program; LABEL is unit, gpu, golden, …
+# brace_test(NAME LABEL LIBRARIES SOURCES…): a GoogleTest program; LABEL is unit, gpu, cli, …
+# CTest runs a program as one test: under the sanitizers a start costs more than most tests do. Those of the command
+# are long and independent of each other: CTest runs them one by one.
 # Leaks are looked for in unit tests alone: the software driver keeps 128 bytes of libxml2 until the end.
 function(brace_test name)
   cmake_parse_arguments(arg "" "LABEL" "LIBRARIES;SOURCES" ${ARGN})
@@ -43,6 +45,11 @@ function(brace_test name)
   if(arg_LABEL STREQUAL "unit")
     set(leaks "ASAN_OPTIONS=detect_leaks=1")
   endif()
-  gtest_discover_tests(${name} DISCOVERY_MODE PRE_TEST
-    PROPERTIES LABELS ${arg_LABEL} TIMEOUT 300 ENVIRONMENT "${leaks}")
+  if(arg_LABEL STREQUAL "cli")
+    gtest_discover_tests(${name} DISCOVERY_MODE PRE_TEST
+      PROPERTIES LABELS ${arg_LABEL} TIMEOUT 300 ENVIRONMENT "${leaks}")
+  else()
+    add_test(NAME ${name} COMMAND ${name} --gtest_brief=1)
+    set_tests_properties(${name} PROPERTIES LABELS ${arg_LABEL} TIMEOUT 600 ENVIRONMENT "${leaks}")
+  endif()
 endfunction()
