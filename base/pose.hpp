@@ -37,6 +37,11 @@ glm::dquat quat_exp(const glm::dvec3& rotation_vector_rad);
 /// component is positive.
 glm::dvec3 quat_log(const glm::dquat& q);
 
+/// `from` after a turn in its own frame and a shift in the frame it is given in.
+inline Pose moved(const Pose& from, const glm::dvec3& turn_rad, const glm::dvec3& shift_m) {
+  return {glm::normalize(from.orientation * quat_exp(turn_rad)), from.position + shift_m};
+}
+
 /// Angle between two orientations in radians, 0 .. pi.
 double angle_between_rad(const glm::dquat& a, const glm::dquat& b);
 

@@ -11,6 +11,7 @@
 #include <nlohmann/json.hpp>
 #include <stdlib.h>
 
+#include "bench/median.hpp"
 #include "hmd_sim/device_profile.hpp"
 #include "runtime/display/display_pipeline.hpp"
 
@@ -54,11 +55,6 @@ double cpu_time_ns() {
   timespec time{};
   clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
   return static_cast<double>(time.tv_sec) * 1e9 + static_cast<double>(time.tv_nsec);
-}
-
-double median(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  return values[values.size() / 2];
 }
 
 gpu::KernelDescription kernel_of(const std::filesystem::path& data, const CaseSetup& setup, LensTraits lens) {

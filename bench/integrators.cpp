@@ -10,6 +10,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/error.hpp"
+#include "bench/median.hpp"
 #include "runtime/verify/caster.hpp"
 #include "runtime/volume/generators.hpp"
 #include "runtime/volume/statistics.hpp"
@@ -141,14 +142,6 @@ std::optional<double> samples_at(std::vector<std::array<double, 2>> curve, doubl
 double ratio(std::optional<double> fixed, std::optional<double> adaptive) {
   if (!fixed) return std::nan("");
   return adaptive ? *fixed / *adaptive : 0.0;
-}
-
-double median(std::vector<double> values) {
-  std::erase_if(values, [](double value) { return std::isnan(value); });
-  if (values.empty()) return std::nan("");
-  std::sort(values.begin(), values.end());
-  const std::size_t half = values.size() / 2;
-  return values.size() % 2 == 1 ? values[half] : (values[half - 1] + values[half]) / 2;
 }
 
 void compare(IntegratorBenchResult& result, const std::string& scene, double error) {

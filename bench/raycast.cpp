@@ -9,6 +9,7 @@
 #include <thread>
 
 #include "base/error.hpp"
+#include "bench/median.hpp"
 #include "bench/raycast_rivals.hpp"
 #include "bench/raycast_scene.hpp"
 #include "runtime/host/stage_glsl.hpp"
@@ -29,11 +30,6 @@ double process_cpu_ms() {
 double host_load() {
   std::array<double, 1> load{};
   return getloadavg(load.data(), 1) == 1 ? load[0] : 0.0;
-}
-
-double median(std::vector<double> values) {
-  std::sort(values.begin(), values.end());
-  return values.empty() ? 0.0 : values[values.size() / 2];
 }
 
 double minimum(const std::vector<double>& values) {

@@ -4,18 +4,12 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "bench/median.hpp"
 #include "bench/skip.hpp"
 
 namespace brace {
 
 namespace {
-
-double median(std::vector<double> values) {
-  if (values.empty()) return 0;
-  std::sort(values.begin(), values.end());
-  const std::size_t half = values.size() / 2;
-  return values.size() % 2 == 1 ? values[half] : (values[half - 1] + values[half]) / 2;
-}
 
 std::string stands_for(const std::string& scene) {
   return scene == "head" ? "manix" : scene == "insect" ? "stag beetle" : scene == "snake" ? "kingsnake" : "";

@@ -3,7 +3,10 @@
 add_library(brace_options INTERFACE)
 target_compile_features(brace_options INTERFACE cxx_std_20)
 target_compile_options(brace_options INTERFACE
-  -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wsign-conversion -ffp-contract=off)
+  -Wall -Wextra -Wpedantic -Wconversion -Wsign-conversion -ffp-contract=off)
+if(NOT CMAKE_UNITY_BUILD)
+  target_compile_options(brace_options INTERFACE -Wshadow)  # there files stand beside each other's names
+endif()
 target_include_directories(brace_options INTERFACE ${PROJECT_SOURCE_DIR})
 
 function(brace_library name)

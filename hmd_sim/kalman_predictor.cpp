@@ -73,10 +73,6 @@ glm::dvec3 displacement(const glm::dvec3& rate, const glm::dvec3& acceleration, 
   return step.rate_to_angle * rate + step.acceleration_to_angle * acceleration;
 }
 
-Pose moved(const Pose& from, const glm::dvec3& turn_rad, const glm::dvec3& shift_m) {
-  return {glm::normalize(from.orientation * quat_exp(turn_rad)), from.position + shift_m};
-}
-
 double seconds(std::int64_t ns) {
   return static_cast<double>(ns) * 1e-9;
 }

@@ -24,10 +24,6 @@ double seconds_between(const brace_tracker_sample& a, const brace_tracker_sample
   return static_cast<double>(b.time_ns - a.time_ns) * 1e-9;
 }
 
-Pose moved(const Pose& from, const glm::dvec3& turn_rad, const glm::dvec3& shift_m) {
-  return {glm::normalize(from.orientation * quat_exp(turn_rad)), from.position + shift_m};
-}
-
 // v(t) = v0 + a t, t from the newest reading on.
 struct LinearVelocity {
   glm::dvec3 v0{0.0}, a{0.0};

@@ -57,7 +57,8 @@ class HostSubject : public Subject {
 brace_tracker_sample reading(std::int64_t time_ns, double turn_rad, double rate_rad_s) {
   brace_tracker_sample sample{};
   sample.time_ns = time_ns;
-  sample.world_from_head = to_abi({quat_exp({0.2 * turn_rad, turn_rad, 0.0}), {0.1 * turn_rad, 1.6, 0.0}});
+  sample.world_from_head =
+      to_abi(Pose{quat_exp({0.2 * turn_rad, turn_rad, 0.0}), {0.1 * turn_rad, 1.6, 0.0}});
   sample.angular_velocity_rad_s[1] = rate_rad_s;
   sample.linear_velocity_m_s[0] = 0.1 * rate_rad_s;
   return sample;

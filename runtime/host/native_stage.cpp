@@ -7,24 +7,6 @@
 
 namespace brace {
 
-namespace {
-
-const char* result_name(brace_result result) {
-  switch (result) {
-    case BRACE_OK:
-      return "BRACE_OK";
-    case BRACE_ERROR:
-      return "BRACE_ERROR";
-    case BRACE_UNSUPPORTED:
-      return "BRACE_UNSUPPORTED";
-    case BRACE_INVALID_ARGUMENT:
-      return "BRACE_INVALID_ARGUMENT";
-  }
-  return "a result that is none";
-}
-
-}  // namespace
-
 NativeStage::NativeStage(const PipelineStage& stage)
     : library_(stage.stage.library),
       descriptor_(stage.stage.native),

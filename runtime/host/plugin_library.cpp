@@ -7,6 +7,20 @@
 
 namespace brace {
 
+const char* result_name(brace_result result) {
+  switch (result) {
+    case BRACE_OK:
+      return "BRACE_OK";
+    case BRACE_ERROR:
+      return "BRACE_ERROR";
+    case BRACE_UNSUPPORTED:
+      return "BRACE_UNSUPPORTED";
+    case BRACE_INVALID_ARGUMENT:
+      return "BRACE_INVALID_ARGUMENT";
+  }
+  return "a result that is none";
+}
+
 namespace {
 
 std::string version_text(std::uint32_t version) {
@@ -20,20 +34,6 @@ std::string range_text(std::uint32_t oldest, std::uint32_t newest) {
 
 std::string text_of(const char* text) {
   return text == nullptr ? std::string() : std::string(text);
-}
-
-const char* result_name(brace_result result) {
-  switch (result) {
-    case BRACE_OK:
-      return "BRACE_OK";
-    case BRACE_ERROR:
-      return "BRACE_ERROR";
-    case BRACE_UNSUPPORTED:
-      return "BRACE_UNSUPPORTED";
-    case BRACE_INVALID_ARGUMENT:
-      return "BRACE_INVALID_ARGUMENT";
-  }
-  return "a result that is none";
 }
 
 extern "C" void log_from_plugin(void* context, brace_log_level level, const char* message) {

@@ -16,6 +16,9 @@ namespace brace {
 
 class StageRegistry;
 
+/// The name of a result in the C header.
+const char* result_name(brace_result result);
+
 /// A line that a plug-in wants the user to see. May be called from any thread.
 using PluginLog = std::function<void(brace_log_level level, const std::string& message)>;
 

@@ -11,8 +11,6 @@ namespace brace {
 
 namespace {
 
-constexpr std::uint64_t slab_bytes_max = std::uint64_t{32} << 20;
-
 struct PlanesParams {
   std::uint32_t groups, first_group, mask_words, first_plane, plane_count, plane_stride;
 };

@@ -10,6 +10,9 @@
 
 namespace brace {
 
+/// What one dispatch over a volume writes at most.
+inline constexpr std::uint64_t slab_bytes_max = std::uint64_t{32} << 20;
+
 /// When a block counts as occupied; kernels/block_cells.glsl.
 enum class Occupancy {
   cell,   // any interpolation cell that a sample in the block can fall into overlaps a visible value

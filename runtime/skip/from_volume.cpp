@@ -1,13 +1,12 @@
 #include <algorithm>
 
+#include "runtime/skip/bit_planes.hpp"
 #include "runtime/skip/kernels/build_params.h"
 #include "runtime/skip/structures.hpp"
 
 namespace brace {
 
 namespace {
-
-constexpr std::uint64_t slab_bytes_max = std::uint64_t{32} << 20;
 
 struct RangeBitsParams {
   std::uint32_t words;

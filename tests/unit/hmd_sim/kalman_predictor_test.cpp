@@ -13,10 +13,9 @@
 namespace brace::sim {
 namespace {
 
-constexpr double rad_per_deg = std::numbers::pi / 180;
-constexpr std::array horizons{SimDuration(11'100'000), SimDuration(22'200'000)};
+constexpr std::array one_and_two_frames{SimDuration(11'100'000), SimDuration(22'200'000)};
 
-PoseTrace yaw_trace(double (*yaw_rad)(double), double duration_s) {
+PoseTrace walking_trace(double (*yaw_rad)(double), double duration_s) {
   std::vector<TimedPose> poses;
   for (int i = 0; i <= static_cast<int>(duration_s * 1000); ++i)
     poses.push_back(
@@ -78,15 +77,15 @@ TEST(KalmanCovarianceTest, StaysPositiveAtEveryStiffness) {
 }
 
 TEST(KalmanPredictorTest, FollowsASpinExactly) {
-  const PoseTrace spin = yaw_trace([](double t) { return 1000 * rad_per_deg * t; }, 1.0);
+  const PoseTrace spin = walking_trace([](double t) { return 17.45 * t; }, 1.0);
   Tracker tracker(spin, {}, 1);
   KalmanPredictor kalman;
   for (int ms = 5; ms < 900; ms += 5) {
-    const SimTime now = sim_time(ms * 1'000'000LL), target = now + horizons[1];
+    const SimTime now = sim_time(ms * 1'000'000LL), target = now + one_and_two_frames[1];
     const Pose predicted = kalman.predict(tracker.history(now), target);
     const Pose truth = spin.at(target, Interpolation::slerp_linear);
     if (ms < 400) continue;  // settled
-    EXPECT_LT(angle_between_rad(predicted.orientation, truth.orientation), 1e-3 * rad_per_deg) << ms;
+    EXPECT_LT(angle_between_rad(predicted.orientation, truth.orientation), 2e-5) << ms;
     EXPECT_LT(glm::length(predicted.position - truth.position), 1e-6) << ms;
   }
 }
@@ -97,11 +96,11 @@ TEST(KalmanPredictorTest, HalvesTheErrorOfNoisyReadings) {
   KalmanPredictor kalman({.orientation_noise_rad = noise, .position_noise_m = noise});
   const auto errors = [&](const PredictFunction& predict) {
     Tracker tracker(natural, {.position_noise_m = noise, .orientation_noise_rad = noise}, 3);
-    return prediction_errors(natural, tracker, predict, horizons, SimDuration(5'555'000));
+    return prediction_errors(natural, tracker, predict, one_and_two_frames, SimDuration(5'555'000));
   };
   const auto filtered = errors([&](auto history, auto target) { return kalman.predict(history, target); });
   const auto held = errors(&predict_constant_rate);
-  for (std::size_t h = 0; h < horizons.size(); ++h) {
+  for (std::size_t h = 0; h < one_and_two_frames.size(); ++h) {
     EXPECT_LT(filtered[h].angle_deg.mean, held[h].angle_deg.mean / 2) << h;
     EXPECT_LT(filtered[h].position_mm.mean, held[h].position_mm.mean / 2) << h;
   }

@@ -8,10 +8,10 @@
 namespace brace::sim {
 namespace {
 
-const std::filesystem::path folder = std::filesystem::path(BRACE_SOURCE_DIR) / "hmd_sim/profiles";
+const std::filesystem::path profile_folder = std::filesystem::path(BRACE_SOURCE_DIR) / "hmd_sim/profiles";
 
 const std::vector<DeviceProfile>& profiles() {
-  static const std::vector<DeviceProfile> all = list_device_profiles(folder);
+  static const std::vector<DeviceProfile> all = list_device_profiles(profile_folder);
   return all;
 }
 
@@ -59,7 +59,7 @@ TEST(LensProfiles, PanelPointsComeBackFromTheirDirections) {
 }
 
 TEST(LensProfiles, ViveFovFollowsFromGrowAndIntrinsics) {
-  const DeviceProfile vive = find_device_profile(folder, "htc-vive");
+  const DeviceProfile vive = find_device_profile(profile_folder, "htc-vive");
   const double grow = 0.6000000238418579, aspect = 0.9;
   for (const Eye which : all_eyes) {
     const EyeProfile& eye = vive.eye(which);
@@ -79,7 +79,7 @@ TEST(LensProfiles, ViveFovFollowsFromGrowAndIntrinsics) {
 
 TEST(LensProfiles, ViveMapsAPanelPointAsItsShaderDoes) {
   // u_compute_distortion_vive's steps in the source's own coordinates, green, left eye, against ours.
-  const DeviceProfile vive = find_device_profile(folder, "htc-vive");
+  const DeviceProfile vive = find_device_profile(profile_folder, "htc-vive");
   const EyeProfile& eye = vive.eye(Eye::left);
   const glm::dvec2 centre(0.09128676972995323, -0.003985467152131782);
   const double k1 = -0.2218608508704322, k2 = -0.0314973006170816, k3 = -0.03811043372221242;
@@ -103,7 +103,7 @@ TEST(LensProfiles, ViveMapsAPanelPointAsItsShaderDoes) {
 TEST(LensProfiles, ChannelsSpreadRedInsideBlueOnThePanel) {
   // Red is magnified least by these lenses, so a panel point shows red from nearer the centre.
   for (const char* name : {"htc-vive", "oculus-cv1", "oculus-dk2"}) {
-    const DeviceProfile profile = find_device_profile(folder, name);
+    const DeviceProfile profile = find_device_profile(profile_folder, name);
     const EyeLens& lens = profile.eye(Eye::left).lens;
     const glm::dvec2 uv = lens.rgb[1].centre_uv + glm::dvec2(-0.3, 0.2);
     const auto red = panel_to_tangents(lens, Channel::red, uv),
@@ -144,7 +144,7 @@ TEST(LensProfiles, TheMiddleOfThePanelSeesThePictureOfEveryDevice) {
 }
 
 TEST(HiddenArea, NoPanelPixelReadsAHiddenSourcePixel) {
-  const DeviceProfile vive = find_device_profile(folder, "htc-vive");
+  const DeviceProfile vive = find_device_profile(profile_folder, "htc-vive");
   const EyeProfile& eye = vive.eye(Eye::left);
   const glm::ivec2 panel(108, 120), target(185, 205);
   const HiddenAreaMask mask = hidden_area_mask(eye.lens, eye.fov, panel, target);
@@ -175,7 +175,7 @@ TEST(HiddenArea, NoPanelPixelReadsAHiddenSourcePixel) {
 }
 
 TEST(HiddenArea, SourceMaskHasNoHolesWhereThePanelIsCoarserThanTheTarget) {
-  const DeviceProfile vive = find_device_profile(folder, "htc-vive");
+  const DeviceProfile vive = find_device_profile(profile_folder, "htc-vive");
   const EyeProfile& eye = vive.eye(Eye::left);
   const HiddenAreaMask coarse = hidden_area_mask(eye.lens, eye.fov, {9, 10}, {93, 103});
   const HiddenAreaMask fine = hidden_area_mask(eye.lens, eye.fov, {216, 240}, {93, 103});
@@ -187,7 +187,7 @@ TEST(HiddenArea, SourceMaskHasNoHolesWhereThePanelIsCoarserThanTheTarget) {
 }
 
 TEST(DistortionMesh, VerticesCarryTheMappingOfEveryChannel) {
-  const DeviceProfile vive = find_device_profile(folder, "htc-vive");
+  const DeviceProfile vive = find_device_profile(profile_folder, "htc-vive");
   const EyeProfile& eye = vive.eye(Eye::right);
   const DistortionMesh mesh = distortion_mesh(eye.lens, eye.fov, 8, 6);
   ASSERT_EQ(mesh.vertices.size(), 9u * 7u);

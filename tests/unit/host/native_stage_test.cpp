@@ -29,10 +29,10 @@ PipelineStage stage_of(const std::filesystem::path& file, const char* family, co
 
 const std::filesystem::path alpha_beta = std::filesystem::path(EXAMPLE_PLUGINS) / "alpha_beta.so";
 const std::filesystem::path aimd = std::filesystem::path(EXAMPLE_PLUGINS) / "aimd_control.so";
-const std::filesystem::path broken = std::filesystem::path(BROKEN_PLUGINS) / "broken_stages.so";
+const std::filesystem::path broken_library = std::filesystem::path(BROKEN_PLUGINS) / "broken_stages.so";
 
 PipelineStage broken_stage(const char* family, broken_defect defect) {
-  PipelineStage stage = stage_of(broken, family, "broken");
+  PipelineStage stage = stage_of(broken_library, family, "broken");
   stage.values[0] = defect;
   return stage;
 }

@@ -37,7 +37,7 @@ std::string file_of(const nifti_1_header& header, const std::string& data) {
   return bytes + data;
 }
 
-const std::vector<std::int16_t> six{-300, -1, 0, 1, 2, 3000};
+const std::vector<std::int16_t> six_signed{-300, -1, 0, 1, 2, 3000};
 
 TEST_F(Nifti, PlainAndGzipReadTheSameWithSpacingUnitAndOrientation) {
   nifti_1_header header = header_of({3, 2, 1}, NIFTI_TYPE_INT16, 16);
@@ -45,7 +45,7 @@ TEST_F(Nifti, PlainAndGzipReadTheSameWithSpacingUnitAndOrientation) {
   header.srow_x[1] = -0.75F;  // y grows to the left
   header.srow_y[0] = 0.5F;    // x grows to the front
   header.srow_z[2] = 3;
-  const std::string file = file_of(header, bytes_of(six));
+  const std::string file = file_of(header, bytes_of(six_signed));
   for (const auto& path : {write("a.nii", file), write("a.nii.gz", gzipped(file)), write("renamed", file)}) {
     const Volume volume = load(path);
     EXPECT_EQ(volume.info.dims, (std::array<int, 3>{3, 2, 1}));
@@ -61,7 +61,7 @@ TEST_F(Nifti, PlainAndGzipReadTheSameWithSpacingUnitAndOrientation) {
 TEST_F(Nifti, ByteSwappedFilesRead) {
   nifti_1_header header = header_of({3, 2, 1}, NIFTI_TYPE_INT16, 16);
   swap_nifti_header(&header, 1);
-  const Volume volume = load(write("big.nii", file_of(header, bytes_of(six, true))));
+  const Volume volume = load(write("big.nii", file_of(header, bytes_of(six_signed, true))));
   EXPECT_EQ(volume.info.dims, (std::array<int, 3>{3, 2, 1}));
   EXPECT_EQ(values_of(volume), (std::vector<double>{-300, -1, 0, 1, 2, 3000}));
 }
@@ -70,7 +70,7 @@ TEST_F(Nifti, ScaleOtherThanTheIdentityIsAppliedAndNoted) {
   nifti_1_header header = header_of({3, 2, 1}, NIFTI_TYPE_INT16, 16);
   header.scl_slope = 0.5F;
   header.scl_inter = 10;
-  const Volume volume = load(write("s.nii", file_of(header, bytes_of(six))));
+  const Volume volume = load(write("s.nii", file_of(header, bytes_of(six_signed))));
   EXPECT_EQ(volume.info.type, VoxelType::float32);
   EXPECT_EQ(values_of(volume), (std::vector<double>{-140, 9.5, 10, 10.5, 11, 1510}));
   ASSERT_EQ(volume.info.notes.size(), 1U);
@@ -79,7 +79,7 @@ TEST_F(Nifti, ScaleOtherThanTheIdentityIsAppliedAndNoted) {
   for (const auto& [slope, intercept] : {std::pair{1.0F, 0.0F}, std::pair{0.0F, 5.0F}}) {
     header.scl_slope = slope;
     header.scl_inter = intercept;
-    EXPECT_EQ(load(write("i.nii", file_of(header, bytes_of(six)))).info.type, VoxelType::int16)
+    EXPECT_EQ(load(write("i.nii", file_of(header, bytes_of(six_signed)))).info.type, VoxelType::int16)
         << "a slope of 0 means: no scale";
   }
 }
@@ -103,7 +103,7 @@ TEST_F(Nifti, ReadsWhatNifticlibWrote) {
 }
 
 TEST_F(Nifti, ErrorsSayWhatIsAccepted) {
-  const std::string data = bytes_of(six);
+  const std::string data = bytes_of(six_signed);
   const auto error = [&](auto&& change) {
     nifti_1_header header = header_of({3, 2, 1}, NIFTI_TYPE_INT16, 16);
     change(header);

@@ -11,8 +11,8 @@ namespace {
 
 using testing::HasSubstr;
 
-constexpr double nan_value = std::numeric_limits<double>::quiet_NaN();
-constexpr double infinite = std::numeric_limits<double>::infinity();
+constexpr double nan_coordinate = std::numeric_limits<double>::quiet_NaN();
+constexpr double infinity = std::numeric_limits<double>::infinity();
 
 TransferFunction function_of(std::vector<TransferPoint> points) {
   TransferFunction tf;
@@ -55,9 +55,9 @@ TEST(Opacity, KappaRoundTripsAndOneIsClamped) {
   EXPECT_EQ(kappa_from_opacity(1, 2), opaque_optical_depth / 2);
   EXPECT_EQ(static_cast<float>(opacity_from_kappa(opaque_optical_depth, 1)), std::nextafter(1.0F, 0.0F));
   EXPECT_NEAR(opaque_optical_depth, 24 * std::log(2), 1e-15);
-  for (const double bad : {-0.1, 1.1, nan_value})
+  for (const double bad : {-0.1, 1.1, nan_coordinate})
     EXPECT_THROW(kappa_from_opacity(bad, 1), Error);
-  for (const double bad : {0.0, -1.0, nan_value, infinite})
+  for (const double bad : {0.0, -1.0, nan_coordinate, infinity})
     EXPECT_THROW(kappa_from_opacity(0.5, bad), Error);
   EXPECT_THROW(kappa_from_opacity(0.5, 1e-300), Error) << "above kappa_limit";
 }
@@ -83,11 +83,11 @@ TEST(TransferFunction, IsLinearBetweenItsPointsAndConstantOutside) {
   EXPECT_DOUBLE_EQ(middle.g, 0.5);
   EXPECT_DOUBLE_EQ(middle.b, 0.75);
   EXPECT_DOUBLE_EQ(middle.kappa, 3);
-  for (const double below : {10.0, -1e30, -infinite})
+  for (const double below : {10.0, -1e30, -infinity})
     EXPECT_EQ(evaluate(tf, below).kappa, 2);
-  for (const double above : {20.0, 1e30, infinite})
+  for (const double above : {20.0, 1e30, infinity})
     EXPECT_EQ(evaluate(tf, above).kappa, 6);
-  const TransferSample nothing = evaluate(tf, nan_value);
+  const TransferSample nothing = evaluate(tf, nan_coordinate);
   EXPECT_EQ(nothing.kappa + nothing.r + nothing.g + nothing.b, 0);
   EXPECT_EQ(evaluate(function_of({{5, {1, 1, 1, 4}}}), -100).kappa, 4) << "one point is a constant";
 }
@@ -157,7 +157,7 @@ TEST(TransferFunction, FractionsGoOverTheDataOrTheWindow) {
   EXPECT_EQ(in_data_units.points[0].value, 8);
   EXPECT_EQ(in_data_units.points[1].value, 12);
   EXPECT_THROW(with_window(windowed, {0, 0}), Error);
-  EXPECT_THROW(with_window(windowed, {nan_value, 1}), Error);
+  EXPECT_THROW(with_window(windowed, {nan_coordinate, 1}), Error);
 }
 
 TEST(TransferFunction, ConstantDataHasAStatedRange) {
@@ -192,16 +192,16 @@ TEST(TransferTable, EntriesAndLookupAreTheDocumentedDefinition) {
   for (const auto& [got, channel] :
        {std::pair{between.r, 0U}, {between.g, 1U}, {between.b, 2U}, {between.kappa, 3U}})
     EXPECT_NEAR(got, 0.75 * table.entries[100][channel] + 0.25 * table.entries[101][channel], 1e-12);
-  for (const double below : {-5.0, -6.0, -infinite})
+  for (const double below : {-5.0, -6.0, -infinity})
     EXPECT_EQ(lookup(table, below).kappa, table.entries[0][3]);
-  for (const double above : {10.0, 11.0, infinite})
+  for (const double above : {10.0, 11.0, infinity})
     EXPECT_EQ(lookup(table, above).kappa, table.entries[300][3]);
-  EXPECT_EQ(lookup(table, nan_value).kappa, 0);
+  EXPECT_EQ(lookup(table, nan_coordinate).kappa, 0);
 }
 
 TEST(TransferTable, ConvergesToTheFunctionWithItsEntries) {
   const auto tf = load_transfer_function("ct-bone", preset_folder());
-  double last = infinite;
+  double last = infinity;
   for (const int entries : {256, 1024, 4096}) {
     const TransferTable table = bake(tf, {{-1024, 2986}, entries});
     double worst = 0;
