@@ -10,9 +10,9 @@ namespace {
 
 /// v = 255 clamp(ball + coarse texture + fine texture), each texture a sum of products of sines, which need
 /// one table per axis and frequency only.
-class SceneVolume final : public VolumeSource {
+class BallVolume final : public VolumeSource {
  public:
-  explicit SceneVolume(int edge) : VolumeSource(make_info(edge)) {
+  explicit BallVolume(int edge) : VolumeSource(make_info(edge)) {
     for (int i = 0; i < edge; ++i) {
       const double x = (2.0 * i + 1.0) / edge - 1.0;
       axis_.push_back(
@@ -68,7 +68,7 @@ TransferFunction ramp(const char* name, double visible_above, const TransferSamp
 }  // namespace
 
 std::unique_ptr<VolumeSource> open_scene_volume(int edge) {
-  return std::make_unique<SceneVolume>(edge);
+  return std::make_unique<BallVolume>(edge);
 }
 
 RaycastScene make_raycast_scene(int width_px, int height_px) {
