@@ -35,6 +35,16 @@ struct CompareCommand {
   bool json = false;
 };
 int compare_command(const CompareCommand& command);
+struct SweepCommand {
+  std::filesystem::path file;
+  std::string out;  // "" for sweeps/FILE
+  int jobs = 1;
+  bool retry_failed = false, keep_runs = false;
+  std::string gpu;
+  std::vector<std::string> plugin_path;
+  bool json = false;
+};
+int sweep_command(const SweepCommand& command);
 
 struct ListCommand {
   std::string what;  // devices, stages, plugins, generators, costs, transfer-functions, traces, keys

@@ -1,4 +1,6 @@
+#include <algorithm>
 #include <functional>
+#include <thread>
 
 #include <CLI/CLI.hpp>
 #include <fmt/core.h>
@@ -11,6 +13,8 @@
 namespace {
 
 using namespace brace;
+
+constexpr int sweep_jobs_max = 1024;
 
 /// What to do once the command line is parsed.
 using Action = std::function<int()>;
@@ -63,6 +67,22 @@ void add_compare(CLI::App& app, CompareCommand& command, Action& action) {
   compare->add_flag("--json", command.json, "Print JSON");
   compare->footer("Example:\n  brace compare baseline runs/demo --tolerance mtp_rotation_ms.p99=5%");
   compare->callback([&] { action = [&] { return compare_command(command); }; });
+void add_sweep(CLI::App& app, SweepCommand& command, Action& action) {
+  CLI::App* sweep =
+      app.add_subcommand("sweep", "Run a session at many points; goes on where an earlier call was stopped");
+  sweep->add_option("file", command.file, "Sweep file (TOML): see docs/sweeps.md")->required();
+  sweep->add_option("--out", command.out, "Folder for results.sqlite and results.csv (default: sweeps/FILE)");
+  command.jobs = std::clamp(static_cast<int>(std::thread::hardware_concurrency()), 1, sweep_jobs_max);
+  sweep
+      ->add_option("--jobs", command.jobs, "Runs at a time (default: one per core); measured costs run alone")
+      ->check(CLI::Range(1, sweep_jobs_max));
+  sweep->add_flag("--retry-failed", command.retry_failed, "Run again what has failed or crashed");
+  sweep->add_flag("--keep-runs", command.keep_runs, "Keep every run directory in runs/");
+  add_gpu_option(*sweep, command.gpu);
+  add_plugin_path_option(*sweep, command.plugin_path);
+  sweep->add_flag("--json", command.json, "Print the counts as JSON");
+  sweep->footer("Example:\n  brace sweep examples/sweep_warp_step.toml --out sweeps/warp-step");
+  sweep->callback([&] { action = [&] { return sweep_command(command); }; });
 }
 
 void add_list(CLI::App& app, ListCommand& command, Action& action) {
@@ -218,6 +238,7 @@ int main(int argc, char** argv) {
 
   RunCommand run;
   CompareCommand compare;
+  SweepCommand sweep;
   ListCommand list;
   DoctorCommand doctor;
   TraceCommands trace;
@@ -228,6 +249,7 @@ int main(int argc, char** argv) {
   Action action;
   add_run(app, run, action);
   add_compare(app, compare, action);
+  add_sweep(app, sweep, action);
   add_trace(app, trace, action);
   add_list(app, list, action);
   add_doctor(app, doctor, action);
