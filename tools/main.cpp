@@ -67,6 +67,8 @@ void add_compare(CLI::App& app, CompareCommand& command, Action& action) {
   compare->add_flag("--json", command.json, "Print JSON");
   compare->footer("Example:\n  brace compare baseline runs/demo --tolerance mtp_rotation_ms.p99=5%");
   compare->callback([&] { action = [&] { return compare_command(command); }; });
+}
+
 void add_sweep(CLI::App& app, SweepCommand& command, Action& action) {
   CLI::App* sweep =
       app.add_subcommand("sweep", "Run a session at many points; goes on where an earlier call was stopped");
@@ -81,7 +83,7 @@ void add_sweep(CLI::App& app, SweepCommand& command, Action& action) {
   add_gpu_option(*sweep, command.gpu);
   add_plugin_path_option(*sweep, command.plugin_path);
   sweep->add_flag("--json", command.json, "Print the counts as JSON");
-  sweep->footer("Example:\n  brace sweep examples/sweep_warp_step.toml --out sweeps/warp-step");
+  sweep->footer("Example:\n  brace sweep examples/sweep_step.toml --out sweeps/step");
   sweep->callback([&] { action = [&] { return sweep_command(command); }; });
 }
 

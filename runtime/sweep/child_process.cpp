@@ -7,8 +7,8 @@
 
 #include <fcntl.h>
 #include <poll.h>
-#include <sys/pidfd.h>
 #include <sys/prctl.h>
+#include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -70,7 +70,8 @@ ChildProcess::ChildProcess(const std::vector<std::string>& words,
   if (null >= 0) ::close(null);
   if (errors >= 0) ::close(errors);
   if (failed == 0) {
-    descriptor_ = ::pidfd_open(process_, 0);
+    // By its number: glibc 2.36 declares pidfd_open() for C alone.
+    descriptor_ = static_cast<int>(::syscall(SYS_pidfd_open, process_, 0));
     if (descriptor_ >= 0) return;
     failed = errno;
     kill_and_wait();

@@ -14,8 +14,8 @@ using testing::HasSubstr;
 
 TEST(CliHelp, EveryCommandHasAnExampleThatNamesIt) {
   Workplace place;
-  for (const char* command : {"", "run", "compare", "trace", "trace info", "trace convert", "trace generate",
-                              "list", "doctor", "bench"}) {
+  for (const char* command : {"", "run", "sweep", "compare", "verify", "trace", "trace info", "trace convert",
+                              "trace generate", "list", "doctor", "bench"}) {
     std::vector<std::string> arguments;
     std::istringstream words(command);
     for (std::string word; words >> word;)

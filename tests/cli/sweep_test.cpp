@@ -1,0 +1,73 @@
+// `brace sweep`: the same results however it is run, failures recorded, on from where it was.
+#include <filesystem>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include "tests/cli/command.hpp"
+
+namespace brace {
+namespace {
+
+using test::Outcome;
+using test::quick_session;
+using test::Workplace;
+using testing::HasSubstr;
+
+class CliSweep : public testing::Test {
+ protected:
+  void SetUp() override { place_.write("base.toml", quick_session()); }
+  Outcome sweep(const std::string& text, std::vector<std::string> more = {}) const {
+    place_.write("sweep.toml", text);
+    std::vector<std::string> arguments = {"sweep", "sweep.toml"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return place_.brace(arguments);
+  }
+  Workplace place_;
+};
+
+const std::string sizes =
+    "session = \"base.toml\"\n[grid]\nscene.size_m = [0.3, 0.6]\npipeline.warp = [\"none\", \"quad\"]\n";
+
+TEST_F(CliSweep, OneJobAndSeveralGiveTheSameBytes) {
+  const Outcome one = sweep(sizes, {"--jobs", "1", "--out", "one", "--json"});
+  ASSERT_EQ(one.exit_code, 0) << one.err;
+  EXPECT_EQ(nlohmann::json::parse(one.out)["done"], 4);
+  ASSERT_EQ(sweep(sizes, {"--jobs", "3", "--out", "three"}).exit_code, 0);
+  EXPECT_EQ(place_.read("one/results.csv"), place_.read("three/results.csv"));
+  EXPECT_THAT(place_.read("one/results.csv"), HasSubstr("\n4,1,1,done,0,0,,0.6,quad,10,"));
+}
+
+TEST_F(CliSweep, AFailedPointIsRecordedAndTriedAgainOnRequestOnly) {
+  const std::string text =
+      "session = \"base.toml\"\n[[point]]\nscene.volume = \"generator:solid_box:8\"\n[[point]]\nscene.volume "
+      "= \"later.nrrd\"\n";
+  const Outcome first = sweep(text);
+  EXPECT_EQ(first.exit_code, 1) << first.err;
+  EXPECT_THAT(first.err, HasSubstr("later.nrrd"));
+  EXPECT_THAT(place_.read("sweeps/sweep/results.csv"), HasSubstr("\n2,1,1,failed,2,"));
+  place_.write("later.nrrd", "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 2 2 2\nencoding: raw\n\n@ABCDEFG");
+  EXPECT_EQ(sweep(text).exit_code, 1) << "not run again by itself";
+  EXPECT_EQ(sweep(text, {"--retry-failed"}).exit_code, 0);
+}
+
+TEST_F(CliSweep, BadSweepsNameFileAndPointBeforeAnythingRuns) {
+  const auto refused = [&](const std::string& text, const std::string& message) {
+    const Outcome outcome = sweep(text, {"--out", "out"});
+    EXPECT_EQ(outcome.exit_code, 2) << outcome.err;
+    EXPECT_THAT(outcome.err, HasSubstr(message));
+    EXPECT_FALSE(std::filesystem::exists(place_ / "out"));
+  };
+  refused("session = \"base.toml\"\n[grid]\npipeline.warp = [\"quad\", \"quda\"]\n", "point 2");
+  refused("session = \"none.toml\"\n[grid]\nrun.seed = [1]\n", "none.toml");
+  refused("session = \"base.toml\"\n[grid]\nrun.sede = [1]\n", "sede");
+  place_.write("mine/letter.txt", "keep me");
+  const Outcome foreign = sweep(sizes, {"--out", "mine"});
+  EXPECT_EQ(foreign.exit_code, 2);
+  EXPECT_THAT(foreign.err, HasSubstr("letter.txt"));
+  EXPECT_EQ(place_.read("mine/letter.txt"), "keep me");
+}
+
+}  // namespace
+}  // namespace brace
