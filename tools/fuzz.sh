@@ -27,7 +27,7 @@ fi
 
 flags="-fsanitize=fuzzer-no-link,address,undefined -fno-sanitize-recover=undefined -fno-omit-frame-pointer"
 cmake -S . -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=Debug -DCMAKE_C_COMPILER=clang -DCMAKE_CXX_COMPILER=clang++ \
-  -DCMAKE_C_FLAGS="-O1 $flags" -DCMAKE_CXX_FLAGS="-O1 $flags" -DBRACE_BUILD_FUZZERS=ON -DBRACE_BUILD_BENCH=OFF >/dev/null
+  -DCMAKE_C_FLAGS="-O1 $flags" -DCMAKE_CXX_FLAGS="-O1 $flags" -DBRACE_BUILD_FUZZERS=ON >/dev/null
 # shellcheck disable=SC2086
 cmake --build "$build" --target $(printf 'fuzz_%s ' $targets) >/dev/null
 
