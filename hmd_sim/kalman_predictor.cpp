@@ -104,7 +104,7 @@ KalmanCovariance propagated(const KalmanCovariance& covariance, double dt_s, dou
 }
 
 void KalmanPredictor::start(const brace_tracker_sample& reading) {
-  Estimate& estimate = estimate_.emplace();
+  KalmanEstimate& estimate = estimate_.emplace();
   estimate.time_ns = reading.time_ns;
   estimate.pose = from_abi(reading.world_from_head);
   estimate.turn.covariance =
@@ -115,7 +115,7 @@ void KalmanPredictor::start(const brace_tracker_sample& reading) {
 void KalmanPredictor::advance(std::int64_t time_ns) {
   const double dt_s = seconds(time_ns - estimate_->time_ns);
   const SingerStep step = singer_step(dt_s, model_.manoeuvre_time_s);
-  const auto advance_axes = [&](Axis3& axes, double sigma) {
+  const auto advance_axes = [&](KalmanAxes& axes, double sigma) {
     const glm::dvec3 way = displacement(axes.rate, axes.acceleration, step);
     axes.rate += step.acceleration_to_rate * axes.acceleration;
     axes.acceleration *= step.acceleration_kept;
@@ -130,7 +130,7 @@ void KalmanPredictor::advance(std::int64_t time_ns) {
 
 void KalmanPredictor::correct(const brace_tracker_sample& reading) {
   const Pose read = from_abi(reading.world_from_head);
-  const auto correct_axes = [](Axis3& axes, double noise, const glm::dvec3& error) {
+  const auto correct_axes = [](KalmanAxes& axes, double noise, const glm::dvec3& error) {
     const std::array<double, 3> gain = gain_and_update(axes.covariance, noise);
     axes.rate += gain[1] * error;
     axes.acceleration += gain[2] * error;

@@ -38,6 +38,18 @@ SingerStep singer_step(double dt_s, double tau_s);
 /// tau; symmetric and not negative at any.
 KalmanCovariance propagated(const KalmanCovariance& covariance, double dt_s, double tau_s, double sigma);
 
+/// Rate, acceleration and the state-estimation error of three axes.
+struct KalmanAxes {
+  glm::dvec3 rate{0.0}, acceleration{0.0};
+  KalmanCovariance covariance{};
+};
+
+struct KalmanEstimate {
+  std::int64_t time_ns = 0;
+  Pose pose;
+  KalmanAxes turn, shift;
+};
+
 /// An error-state Kalman filter on rotation and position: the estimate itself is a quaternion with rates in
 /// the head's frame, the filtered error a rotation vector. It keeps its state between calls: readings that it
 /// has seen are passed over, so it must see each head's readings in their order. No allocation.
@@ -50,22 +62,12 @@ class KalmanPredictor {
   Pose predict(std::span<const brace_tracker_sample> history, SimTime target);
 
  private:
-  struct Axis3 {
-    glm::dvec3 rate{0.0}, acceleration{0.0};
-    KalmanCovariance covariance{};
-  };
-  struct Estimate {
-    std::int64_t time_ns = 0;
-    Pose pose;
-    Axis3 turn, shift;
-  };
-
   void start(const brace_tracker_sample& reading);
   void advance(std::int64_t time_ns);
   void correct(const brace_tracker_sample& reading);
 
   KalmanModel model_;
-  std::optional<Estimate> estimate_;
+  std::optional<KalmanEstimate> estimate_;
 };
 
 }  // namespace brace::sim

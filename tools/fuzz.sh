@@ -29,7 +29,10 @@ flags="-fsanitize=fuzzer-no-link,address,undefined -fno-sanitize-recover=undefin
 cmake -S . -B "$build" -G Ninja -DCMAKE_BUILD_TYPE=Debug -DCMAKE_C_COMPILER=clang -DCMAKE_CXX_COMPILER=clang++ \
   -DCMAKE_C_FLAGS="-O1 $flags" -DCMAKE_CXX_FLAGS="-O1 $flags" -DBRACE_BUILD_FUZZERS=ON >/dev/null
 # shellcheck disable=SC2086
-cmake --build "$build" --target $(printf 'fuzz_%s ' $targets) >/dev/null
+cmake --build "$build" --target $(printf 'fuzz_%s ' $targets) >"$build/build.log" 2>&1 || {
+  tail -n 40 "$build/build.log"
+  exit 1
+}
 
 # Debian's toml++ is not built with the sanitizer, which then misreads the bounds of containers that it fills.
 export ASAN_OPTIONS=detect_container_overflow=0
