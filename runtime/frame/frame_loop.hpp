@@ -64,6 +64,7 @@ struct ControlStage {  // functions == nullptr: full quality always
   const brace_control_functions* functions = nullptr;
   void* self = nullptr;
   std::string name = "the control stage";
+  const char* (*last_error)(void* self) = nullptr;  // may be null
 };
 
 struct FrameLoopInputs {

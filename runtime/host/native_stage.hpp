@@ -32,6 +32,8 @@ class NativeStage {
   /// "FILE: stage FAMILY/NAME", how messages begin.
   std::string place() const { return origin_ + ": stage " + id_; }
   std::uint32_t kind() const { return descriptor_->kind; }
+  /// For those who call its functions themselves; may be null.
+  const char* (*last_error() const)(void*) { return descriptor_->last_error; }
   bool is_active() const { return active_; }
 
   /// created → active. `activation` and everything it points to stays valid until deactivate.

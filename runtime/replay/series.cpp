@@ -152,7 +152,7 @@ Series replay_series(const LabelledSession& labelled, const ReplayOptions& optio
   ProgressSink sink(series.records, vsyncs, options);
   const FrameLoopInputs inputs{head,
                                {&predict.predict_functions(), predict.self(), predict.place()},
-                               {&control.control_functions(), control.self(), control.place()},
+                               {&control.control_functions(), control.self(), control.place(), control.last_error()},
                                *cost,
                                *work.frame_work,
                                sink};

@@ -120,6 +120,9 @@ SeriesWork make_work(const SeriesWorkInputs& in) {
         PixelWork::Inputs{*in.device, session, in.headset, *work.scene, in.placement, in.options.data_folder,
                           in.options.no_warp, in.vsyncs, in.run, folder, work.watchdog.get()});
     work.pixels = rendered.get();
+    const std::string control = session.pipeline.at("control").stage.id();
+    if (control != "control/fixed")
+      work.facts.push_back({control, "no effect on this run: its pictures are rendered with every ray"});
     work.frame_work = std::move(rendered);
   } else if (work.scene) {
     work.frame_work = count_with_probes(in, work);

@@ -5,5 +5,7 @@
 namespace brace::stages {
 
 extern const brace_stage_descriptor control_fixed;
+extern const brace_stage_descriptor control_pi;
+extern const brace_stage_descriptor control_quantile;
 
 }  // namespace brace::stages

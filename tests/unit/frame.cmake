@@ -7,6 +7,7 @@ brace_test(frame_test LABEL unit
     ${CMAKE_CURRENT_LIST_DIR}/frame/frame_loop_replay_test.cpp
     ${CMAKE_CURRENT_LIST_DIR}/frame/frame_loop_test.cpp
     ${CMAKE_CURRENT_LIST_DIR}/frame/head_motion_test.cpp
+    ${CMAKE_CURRENT_LIST_DIR}/frame/load_control_test.cpp
     ${CMAKE_CURRENT_LIST_DIR}/frame/pacing_test.cpp
     ${CMAKE_CURRENT_LIST_DIR}/frame/stages_test.cpp
     ${CMAKE_CURRENT_LIST_DIR}/frame/transfer_update_test.cpp)

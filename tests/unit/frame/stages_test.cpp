@@ -1,5 +1,6 @@
 #include <cmath>
 #include <cstring>
+#include <string>
 
 #include <gtest/gtest.h>
 
@@ -10,9 +11,10 @@
 namespace brace {
 namespace {
 
-const brace_stage_descriptor* const built_in[] = {&stages::predict_none, &stages::predict_constant_rate,
-                                                  &stages::predict_constant_acceleration,
-                                                  &stages::predict_kalman, &stages::control_fixed};
+const brace_stage_descriptor* const built_in[] = {
+    &stages::predict_none,    &stages::predict_constant_rate, &stages::predict_constant_acceleration,
+    &stages::predict_kalman,  &stages::control_fixed,         &stages::control_pi,
+    &stages::control_quantile};
 
 std::vector<brace_tracker_sample> turning_history() {
   const sim::PoseTrace trace = sim::generate_trace({.motion = sim::Motion::natural, .seconds = 1});
@@ -93,6 +95,25 @@ TEST(BuiltInStages, FixedControlAsksForEverything) {
   input.missed = 90;
   EXPECT_EQ(fixed.control().functions->update(fixed.control().self, &input, &quality), BRACE_OK);
   EXPECT_EQ(quality, 1.0);
+}
+
+TEST(BuiltInStages, PiRefusesGainsThatDoNotSettleAtTheDelay) {
+  // target, gain_p, gain_i, cost_exponent, quality_min
+  const double values[] = {0.85, 0.0, 0.8, 1.0, 0.05};
+  void* self = stages::control_pi.create(values, 5);
+  const auto* functions = static_cast<const brace_control_functions*>(stages::control_pi.functions);
+  brace_control_input input{};
+  input.struct_size = sizeof(input);
+  input.frame_cost_ns = 5'000'000;
+  input.budget_ns = 10'000'000;
+  double quality = 0;
+  input.delay_frames = 1;  // bound 1
+  EXPECT_EQ(functions->update(self, &input, &quality), BRACE_OK);
+  EXPECT_EQ(quality, 1.0);
+  input.delay_frames = 2;  // bound 0.618
+  EXPECT_EQ(functions->update(self, &input, &quality), BRACE_UNSUPPORTED);
+  EXPECT_NE(std::string(stages::control_pi.last_error(self)).find("gain_i = 0.8"), std::string::npos);
+  stages::control_pi.destroy(self);
 }
 
 }  // namespace

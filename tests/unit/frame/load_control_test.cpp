@@ -1,0 +1,149 @@
+#include "stages/control/load_control.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <deque>
+#include <functional>
+#include <numbers>
+
+#include <gtest/gtest.h>
+
+#include "hmd_sim/random.hpp"
+
+namespace brace::stages {
+namespace {
+
+double bound_of(std::uint32_t delay) {
+  return 2.0 * std::sin(std::numbers::pi / (2.0 * (2.0 * delay + 1.0)));
+}
+
+TEST(LoadControl, PureIntegralGainsHaveTheBoundOfTheFormula) {
+  EXPECT_NEAR(bound_of(1), 1.0, 1e-12);
+  EXPECT_NEAR(bound_of(2), 0.618, 1e-3);
+  for (std::uint32_t delay = 0; delay <= 40; ++delay) {
+    EXPECT_TRUE(pi_control_is_stable(0.0, 0.999 * bound_of(delay), delay)) << delay;
+    EXPECT_FALSE(pi_control_is_stable(0.0, 1.001 * bound_of(delay), delay)) << delay;
+  }
+  EXPECT_FALSE(pi_control_is_stable(0.0, 0.0, 0));
+  EXPECT_FALSE(pi_control_is_stable(0.0, std::nan(""), 0));
+  EXPECT_FALSE(pi_control_is_stable(0.1, 0.1, 1'000'000));
+}
+
+/// What is left of a small disturbance after many frames of the linear loop.
+double left_over(double p, double i, std::uint32_t delay) {
+  std::deque<double> u(delay + 2, 0.0);  // newest first
+  u[0] = 1e-3;
+  double before = 0.0;
+  for (int k = 0; k < 20'000; ++k) {
+    const double error = u[delay];
+    u.push_front(u[0] - p * (error - before) - i * error);
+    before = error;
+    u.pop_back();
+    if (std::abs(u[0]) > 1e3) return u[0];
+  }
+  return *std::max_element(u.begin(), u.end(), [](double a, double b) { return std::abs(a) < std::abs(b); });
+}
+
+TEST(LoadControl, TheCheckAgreesWithTheLoopItself) {
+  int settled = 0, grown = 0;
+  for (std::uint32_t delay = 0; delay <= 4; ++delay) {
+    for (double p = 0.0; p < 1.2; p += 0.17) {
+      for (double i = 0.03; i < 2.2; i += 0.19) {
+        const double left = std::abs(left_over(p, i, delay));
+        if (left > 1e-6 && left < 1.0) continue;  // next to the border
+        EXPECT_EQ(pi_control_is_stable(p, i, delay), left <= 1e-6) << p << " " << i << " " << delay;
+        ++(left <= 1e-6 ? settled : grown);
+      }
+    }
+  }
+  EXPECT_GT(settled, 30);
+  EXPECT_GT(grown, 30);
+}
+
+struct Loop {
+  double over_share = 0;
+  int longest_run = 0;
+  double quality = 1;
+};
+
+/// Frames whose cost is load(k) times the quality asked `delay` frames ago, with 5 % of noise.
+Loop drive(const std::function<double(const FrameLoad&)>& update, const std::function<double(int)>& load,
+           int frames, std::size_t delay) {
+  std::deque<double> asked(delay + 1, 1.0);
+  Loop loop;
+  int over = 0, run = 0;
+  for (int k = 0; k < frames; ++k) {
+    const double noise =
+        sim::near_normal(sim::random_bits(sim::stream_of(7, 0), static_cast<std::uint64_t>(k)));
+    const double cost = load(k) * asked.back() * std::exp(0.05 * noise);
+    run = cost > 1.0 ? run + 1 : 0;
+    over += cost > 1.0;
+    loop.longest_run = std::max(loop.longest_run, run);
+    loop.quality = update({cost, cost > 1.0});
+    asked.push_front(loop.quality);
+    asked.pop_back();
+  }
+  loop.over_share = static_cast<double>(over) / frames;
+  return loop;
+}
+
+double tenfold_step(int frame) {
+  return frame < 1000 ? 0.5 : frame < 2000 ? 5.0 : 0.5;
+}
+
+TEST(LoadControl, PiFindsTheTargetAfterALoadStepAndDoesNotWindUp) {
+  PiControl control({.target = 0.85, .p = 0.1, .i = 0.3, .quality_min = 0.05});
+  const auto update = [&](const FrameLoad& load) { return control.update(load); };
+  const Loop high = drive(
+      update, [](int) { return 5.0; }, 500, 1);
+  EXPECT_NEAR(high.quality * 5.0, 0.85, 0.1);
+  // A load that no quality bears, for long; then back: nothing has piled up.
+  (void)drive(
+      update, [](int) { return 1e6; }, 5000, 1);
+  const Loop back = drive(
+      update, [](int) { return 0.5; }, 20, 1);
+  EXPECT_EQ(back.quality, 1.0);
+}
+
+TEST(LoadControl, QuantileHoldsItsShareAndItsGuarantee) {
+  for (const bool proportional : {false, true}) {
+    QuantileControl control(
+        {.missed_share = 0.01, .step = 0.1, .quality_min = 0.05, .proportional_cut = proportional});
+    const auto update = [&](const FrameLoad& load) { return control.update(load); };
+    const Loop steps = drive(update, tenfold_step, 3000, 1);
+    const double range = -std::log(0.05);
+    EXPECT_LE(steps.over_share, 0.01 + 0.99 * (range + 0.1) / (0.1 * 3000)) << proportional;
+    if (proportional) {
+      EXPECT_LE(steps.longest_run, 4);
+    }
+    const Loop steady = drive(
+        update, [](int) { return 2.0; }, 20'000, 1);
+    EXPECT_LT(steady.over_share, 0.015) << proportional;
+    EXPECT_GT(steady.over_share, 0.004) << "neither is quality given away";
+  }
+}
+
+TEST(LoadControl, PiMissesMoreThanQuantileOnAStep) {
+  PiControl pi({.target = 1.0, .p = 0.0, .i = 0.3, .quality_min = 0.05});
+  QuantileControl quantile({});
+  const Loop a = drive([&](const FrameLoad& load) { return pi.update(load); }, tenfold_step, 3000, 1);
+  const Loop b = drive([&](const FrameLoad& load) { return quantile.update(load); }, tenfold_step, 3000, 1);
+  EXPECT_GT(a.over_share, b.over_share);
+}
+
+TEST(LoadControl, ExtremeCostsStayNumbers) {
+  PiControl pi({});
+  QuantileControl quantile({});
+  for (const double cost : {0.0, 1e-300, 1e-12, 1.0, 1e12, 1e300, std::numeric_limits<double>::infinity()}) {
+    for (int k = 0; k < 5; ++k) {
+      const FrameLoad load{cost, cost > 1.0};
+      for (const double quality : {pi.update(load), quantile.update(load)}) {
+        EXPECT_GE(quality, 0.05 * (1 - 1e-12)) << cost;
+        EXPECT_LE(quality, 1.0) << cost;
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace brace::stages
