@@ -28,3 +28,18 @@ file(RELATIVE_PATH prefix_from_pc /prefix/${CMAKE_INSTALL_LIBDIR}/pkgconfig /pre
 string(REGEX REPLACE "/$" "" prefix_from_pc ${prefix_from_pc})
 configure_file(cmake/install/brace.pc.in ${PROJECT_BINARY_DIR}/install/brace.pc @ONLY)
 install(FILES ${PROJECT_BINARY_DIR}/install/brace.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
+
+# The build tree is a prefix as well: who runs bin/brace from it can build stages against it.
+foreach(header brace_stage.h glsl/brace/eye_params.h)
+  get_filename_component(header_name ${header} NAME)
+  file(MAKE_DIRECTORY ${PROJECT_BINARY_DIR}/${CMAKE_INSTALL_INCLUDEDIR}/brace)
+  file(CREATE_LINK ${PROJECT_SOURCE_DIR}/plugins/abi/${header}
+    ${PROJECT_BINARY_DIR}/${CMAKE_INSTALL_INCLUDEDIR}/brace/${header_name} SYMBOLIC)
+endforeach()
+file(MAKE_DIRECTORY ${PROJECT_BINARY_DIR}/${plugin_folder} ${PROJECT_BINARY_DIR}/${package_folder})
+target_include_directories(brace_stage INTERFACE $<BUILD_INTERFACE:${PROJECT_BINARY_DIR}/${CMAKE_INSTALL_INCLUDEDIR}>)
+export(EXPORT brace_exports FILE ${PROJECT_BINARY_DIR}/${package_folder}/BraceExports.cmake NAMESPACE Brace::)
+foreach(file ${PROJECT_BINARY_DIR}/install/BraceConfig.cmake ${PROJECT_BINARY_DIR}/install/BraceConfigVersion.cmake
+    ${PROJECT_SOURCE_DIR}/cmake/install/BraceAddStage.cmake)
+  configure_file(${file} ${PROJECT_BINARY_DIR}/${package_folder} COPYONLY)
+endforeach()
