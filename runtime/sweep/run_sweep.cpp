@@ -58,7 +58,7 @@ Running start(const Sweep& sweep, const SweepRun& run, int jobs) {
   const fs::path directory = sweep.folder.work() / name, errors = sweep.folder.work() / (name + ".txt");
   std::vector<std::string> words = {sweep.options.program.string(), "run", sweep.file.session.string()};
   for (const auto& [key, value] : overrides_of(point_of(sweep, run).point))
-    words.insert(words.end(), {"--set", key + "=" + value});
+    words.insert(words.end(), {"--set", fmt::format("{}={}", key, value)});
   words.insert(words.end(), {"--seed", std::to_string(run.seed), "--out", directory.string()});
   words.insert(words.end(), sweep.options.arguments.begin(), sweep.options.arguments.end());
   return {run, directory, errors, ChildProcess(words, environment_of(jobs), errors)};
