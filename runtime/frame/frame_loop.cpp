@@ -211,14 +211,14 @@ void control_quality(Loop& loop, const JobRecord& cast) {
                                   .delay_frames = 0};  // the next frame starts after this
   double quality = 0;
   const brace_result result = control.functions->update(control.self, &input, &quality);
-  const char* own_words =
-      result != BRACE_OK && control.last_error != nullptr ? control.last_error(control.self) : nullptr;
-  if (own_words != nullptr) throw device_error("{} failed in update: {}", control.name, own_words);
   if (result != BRACE_OK || !(quality > 0 && quality <= 1)) {
+    const bool has_words = result != BRACE_OK && control.last_error != nullptr;
+    const char* own_words = has_words ? control.last_error(control.self) : nullptr;
     throw device_error(
         "{} failed in update; expected BRACE_OK and 0 < quality <= 1; found result {}, quality {} after "
-        "frame {}",
-        control.name, static_cast<int>(result), quality, cast.index);
+        "frame {}{}{}",
+        control.name, static_cast<int>(result), quality, cast.index, own_words != nullptr ? ": " : "",
+        own_words != nullptr ? own_words : "");
   }
   loop.quality = quality;
   loop.missed_since_control = 0;

@@ -150,12 +150,13 @@ Series replay_series(const LabelledSession& labelled, const ReplayOptions& optio
   const NativeStage predict = live_stage(session.pipeline.at("predict"));
   const NativeStage control = live_stage(session.pipeline.at("control"));
   ProgressSink sink(series.records, vsyncs, options);
-  const FrameLoopInputs inputs{head,
-                               {&predict.predict_functions(), predict.self(), predict.place()},
-                               {&control.control_functions(), control.self(), control.place(), control.last_error()},
-                               *cost,
-                               *work.frame_work,
-                               sink};
+  const FrameLoopInputs inputs{
+      head,
+      {&predict.predict_functions(), predict.self(), predict.place()},
+      {&control.control_functions(), control.self(), control.place(), control.last_error()},
+      *cost,
+      *work.frame_work,
+      sink};
   run_until_failure(config, inputs, series);
   sink.finish();
   series.jobs = series.records.jobs_by_submission();
