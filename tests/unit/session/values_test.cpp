@@ -50,7 +50,7 @@ TEST(SessionPosition, BothFormsAreAccepted) {
 TEST(SessionPosition, EveryBrokenFormIsRefused) {
   for (const char* value : {"front:", "front", "front:x", "front:1,2", "front:1m", "front:nan", "front:1e999",
                             "1", "1,2", "1,2,3,4", "1;2;3", "1,2,", ",1,2", "x,y,z", "1,2,inf", "back:1"}) {
-    EXPECT_THAT(error_of(smallest, {{"scene.position", "'" + std::string(value) + "'"}}),
+    EXPECT_THAT(error_of(smallest, {{"scene.position", std::string("'").append(value).append("'")}}),
                 HasSubstr("front:D or x,y,z in metres"))
         << value;
   }

@@ -171,8 +171,9 @@ TEST_F(Malformed, HeadersThatAskForMuchAreHeldAgainstTheFileFirst) {
   const std::string text = "NRRD0004\ntype: double\ndimension: 3\nsizes: 2048 1024 1024\nendian: little\n";
   reset_largest_allocation();
   EXPECT_THAT(error_of(write("raw.nrrd", text + "encoding: raw\n\nabc")), testing::HasSubstr("found 3"));
-  EXPECT_THAT(error_of(write("gz.nrrd", text + "encoding: gzip\n\n" + gzipped("abc"))),
-              testing::HasSubstr("more than the file can unpack to"));
+  EXPECT_THAT(
+      error_of(write("gz.nrrd", std::string(text).append("encoding: gzip\n\n").append(gzipped("abc")))),
+      testing::HasSubstr("more than the file can unpack to"));
   EXPECT_THAT(error_of(write("end.nrrd", text + "byte skip: -1\nencoding: raw\n\nabc")),
               testing::HasSubstr("truncated"));
   EXPECT_LT(largest_allocation_bytes(), small_bytes);
