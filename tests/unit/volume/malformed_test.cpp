@@ -34,7 +34,7 @@ std::string mutated(std::string text, const std::vector<std::string>& pieces, st
         text.resize(at);
         break;
     }
-    if (text.empty()) text = "\n";
+    if (text.empty()) text.push_back('\n');
   }
   return text;
 }
