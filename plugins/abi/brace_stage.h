@@ -82,8 +82,8 @@ typedef struct brace_param {
   uint32_t struct_size; /* also the distance to the next one of an array */
   const char* name;     /* snake_case, unit last: bias_factor, reserve_ms */
   uint32_t type;        /* brace_param_type */
-  const char* unit; /* "" if none */
-  const char* help; /* one line */
+  const char* unit;     /* "" if none */
+  const char* help;     /* one line */
   double minimum, maximum, default_value;
   const char* const* choices; /* null-terminated; null unless CHOICE */
 } brace_param;
@@ -202,7 +202,7 @@ typedef struct brace_activation {
   uint32_t ray_count_max; /* rays of one eye; buffers are at least this large */
   const brace_volume* volume;
   const brace_transfer_table* transfer;
-  double step_units; /* the step that the device's transfer table has baked in, in units of length */
+  double step_units;     /* the step that the device's transfer table has baked in, in units of length */
   brace_shading shading; /* since 1.1 */
 } brace_activation;
 

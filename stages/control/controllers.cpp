@@ -4,23 +4,11 @@
 
 #include "stages/control/control.hpp"
 #include "stages/control/load_control.hpp"
+#include "stages/float_parameter.hpp"
 
 namespace brace::stages {
 
 namespace {
-
-constexpr brace_param number(const char* name, const char* help, double minimum, double maximum,
-                             double fallback) {
-  return {.struct_size = sizeof(brace_param),
-          .name = name,
-          .type = BRACE_PARAM_FLOAT,
-          .unit = "",
-          .help = help,
-          .minimum = minimum,
-          .maximum = maximum,
-          .default_value = fallback,
-          .choices = nullptr};
-}
 
 FrameLoad load_of(const brace_control_input& input) {
   const double cost = static_cast<double>(input.frame_cost_ns) /
@@ -30,11 +18,12 @@ FrameLoad load_of(const brace_control_input& input) {
 
 constexpr PiControl::Settings pi_fallback;
 constexpr brace_param pi_params[] = {
-    number("target", "share of the time per display period to use", 0.1, 1, pi_fallback.target),
-    number("gain_p", "of the change of ln(cost / target)", 0, 2, pi_fallback.p),
-    number("gain_i", "of ln(cost / target)", 0.001, 2, pi_fallback.i),
-    number("cost_exponent", "cost goes as quality to this power: for the check of stability", 0.1, 4, 1),
-    number("quality_min", "quality never falls below this", 0.001, 1, pi_fallback.quality_min)};
+    float_parameter("target", "", "share of the time per display period to use", 0.1, 1, pi_fallback.target),
+    float_parameter("gain_p", "", "of the change of ln(cost / target)", 0, 2, pi_fallback.p),
+    float_parameter("gain_i", "", "of ln(cost / target)", 0.001, 2, pi_fallback.i),
+    float_parameter("cost_exponent", "", "cost goes as quality to this power: for the check of stability",
+                    0.1, 4, 1),
+    float_parameter("quality_min", "", "quality never falls below this", 0.001, 1, pi_fallback.quality_min)};
 
 struct Pi {
   PiControl::Settings settings;
@@ -79,10 +68,11 @@ constexpr brace_control_functions pi_functions{sizeof(brace_control_functions), 
 
 constexpr QuantileControl::Settings quantile_fallback;
 constexpr brace_param quantile_params[] = {
-    number("missed_share", "share of frames over time to settle at", 0.0001, 0.5,
-           quantile_fallback.missed_share),
-    number("step", "taken off ln(quality) at a miss", 0.001, 2, quantile_fallback.step),
-    number("quality_min", "quality never falls below this", 0.001, 1, quantile_fallback.quality_min),
+    float_parameter("missed_share", "", "share of frames over time to settle at", 0.0001, 0.5,
+                    quantile_fallback.missed_share),
+    float_parameter("step", "", "taken off ln(quality) at a miss", 0.001, 2, quantile_fallback.step),
+    float_parameter("quality_min", "", "quality never falls below this", 0.001, 1,
+                    quantile_fallback.quality_min),
     {.struct_size = sizeof(brace_param),
      .name = "proportional_cut",
      .type = BRACE_PARAM_BOOL,

@@ -2,6 +2,7 @@
 #include <span>
 
 #include "hmd_sim/predictors.hpp"
+#include "stages/float_parameter.hpp"
 #include "stages/predict/predict.hpp"
 
 namespace brace::stages {
@@ -9,33 +10,11 @@ namespace brace::stages {
 namespace {
 
 constexpr brace_param params[] = {
-    {.struct_size = sizeof(brace_param),
-     .name = "angular_limit_rad_s2",
-     .type = BRACE_PARAM_FLOAT,
-     .unit = "rad/s^2",
-     .help = "a larger angular acceleration is taken for noise or a reversal: constant rate instead",
-     .minimum = 0,
-     .maximum = 1e6,
-     .default_value = 120,
-     .choices = nullptr},
-    {.struct_size = sizeof(brace_param),
-     .name = "linear_limit_m_s2",
-     .type = BRACE_PARAM_FLOAT,
-     .unit = "m/s^2",
-     .help = "the same for linear acceleration",
-     .minimum = 0,
-     .maximum = 1e6,
-     .default_value = 60,
-     .choices = nullptr},
-    {.struct_size = sizeof(brace_param),
-     .name = "horizon_ms",
-     .type = BRACE_PARAM_FLOAT,
-     .unit = "ms",
-     .help = "the acceleration is held no longer than this",
-     .minimum = 0,
-     .maximum = 1000,
-     .default_value = 60,
-     .choices = nullptr}};
+    float_parameter("angular_limit_rad_s2", "rad/s^2",
+                    "a larger angular acceleration is taken for noise or a reversal: constant rate instead",
+                    0, 1e6, 120),
+    float_parameter("linear_limit_m_s2", "m/s^2", "the same for linear acceleration", 0, 1e6, 60),
+    float_parameter("horizon_ms", "ms", "the acceleration is held no longer than this", 0, 1000, 60)};
 
 void* create(const double* values, uint32_t) {
   return new (std::nothrow) sim::AccelerationLimits{

@@ -3,6 +3,7 @@
 #include <span>
 
 #include "hmd_sim/predictors.hpp"
+#include "stages/float_parameter.hpp"
 #include "stages/predict/predict.hpp"
 
 namespace brace::stages {
@@ -13,16 +14,10 @@ struct ConstantRate {
   int64_t horizon_ns;
 };
 
-constexpr brace_param params[] = {
-    {.struct_size = sizeof(brace_param),
-     .name = "horizon_ms",
-     .type = BRACE_PARAM_FLOAT,
-     .unit = "ms",
-     .help = "the rate is held no longer than this beyond the newest reading (a tracker that fell silent)",
-     .minimum = 0,
-     .maximum = 1000,
-     .default_value = 100,
-     .choices = nullptr}};
+constexpr brace_param params[] = {float_parameter(
+    "horizon_ms", "ms",
+    "the rate is held no longer than this beyond the newest reading (a tracker that fell silent)", 0, 1000,
+    100)};
 
 void* create(const double* values, uint32_t) {
   return new (std::nothrow) ConstantRate{to_ns(from_s(values[0] * 1e-3))};

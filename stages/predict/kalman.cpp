@@ -3,37 +3,25 @@
 
 #include "hmd_sim/kalman_predictor.hpp"
 #include "hmd_sim/tracker.hpp"
+#include "stages/float_parameter.hpp"
 #include "stages/predict/predict.hpp"
 
 namespace brace::stages {
 
 namespace {
 
-constexpr brace_param parameter(const char* name, const char* unit, const char* help, double minimum,
-                                double maximum, double fallback) {
-  return {.struct_size = sizeof(brace_param),
-          .name = name,
-          .type = BRACE_PARAM_FLOAT,
-          .unit = unit,
-          .help = help,
-          .minimum = minimum,
-          .maximum = maximum,
-          .default_value = fallback,
-          .choices = nullptr};
-}
-
 constexpr sim::KalmanModel fallback;
 constexpr brace_param params[] = {
-    parameter("orientation_noise_rad", "rad", "standard deviation of a reading, per axis", 0, 1,
-              fallback.orientation_noise_rad),
-    parameter("position_noise_m", "m", "standard deviation of a reading, per axis", 0, 1,
-              fallback.position_noise_m),
-    parameter("angular_acceleration_rad_s2", "rad/s^2", "standard deviation of the head's, per axis", 0, 1e6,
-              fallback.angular_acceleration_rad_s2),
-    parameter("linear_acceleration_m_s2", "m/s^2", "standard deviation of the head's, per axis", 0, 1e6,
-              fallback.linear_acceleration_m_s2),
-    parameter("manoeuvre_time_ms", "ms", "after which an acceleration has fallen to 1/e", 1, 1e6,
-              fallback.manoeuvre_time_s * 1e3)};
+    float_parameter("orientation_noise_rad", "rad", "standard deviation of a reading, per axis", 0, 1,
+                    fallback.orientation_noise_rad),
+    float_parameter("position_noise_m", "m", "standard deviation of a reading, per axis", 0, 1,
+                    fallback.position_noise_m),
+    float_parameter("angular_acceleration_rad_s2", "rad/s^2", "standard deviation of the head's, per axis", 0,
+                    1e6, fallback.angular_acceleration_rad_s2),
+    float_parameter("linear_acceleration_m_s2", "m/s^2", "standard deviation of the head's, per axis", 0, 1e6,
+                    fallback.linear_acceleration_m_s2),
+    float_parameter("manoeuvre_time_ms", "ms", "after which an acceleration has fallen to 1/e", 1, 1e6,
+                    fallback.manoeuvre_time_s * 1e3)};
 
 void* create(const double* values, uint32_t) {
   sim::KalmanModel model;

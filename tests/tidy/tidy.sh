@@ -53,7 +53,7 @@ done < <(grep -E '\.(cpp|c)$' <<<"$sources")
 if command -v clang-format >/dev/null; then
   while read -r hit; do
     [ -z "$hit" ] || fault "$hit"
-  done < <(grep -E '\.(cpp|hpp)$' <<<"$sources" | xargs clang-format --dry-run -Werror 2>&1 |
+  done < <(grep -E '\.(cpp|hpp|c|h)$' <<<"$sources" | xargs clang-format --dry-run -Werror 2>&1 |
     grep -oE '^[^ ]+:[0-9]+:[0-9]+: error: code should be clang-formatted' | cut -d: -f1 | sort -u |
     sed 's/$/: run clang-format -i on it/')
 else

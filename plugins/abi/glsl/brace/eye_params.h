@@ -1,4 +1,5 @@
-/* What every kernel knows of one eye in one frame. One text for C, C++ and GLSL (std140: only vec4 and uvec4).
+/* What every kernel knows of one eye in one frame. One text for C, C++ and GLSL (std140: only vec4 and
+ * uvec4).
  *
  * Voxel coordinates: the volume's box is [0, dims]; voxel (i, j, k) has its value at (i, j, k) + 0.5; the
  * values beyond the outermost voxel centres are those of the edge.
@@ -22,11 +23,11 @@ namespace brace {
 #endif
 
 struct BraceEyeParams {
-  BRACE_VEC4(eye);             /* xyz: the eye in voxel coordinates; w: metres per unit */
-  BRACE_VEC4(ray_base);        /* xyz: direction through the image's upper left corner, volume axes, metric;
-                                  w: rays left of the image */
-  BRACE_VEC4(ray_dx);          /* xyz: change of that direction per pixel to the right; w: rays above the image */
-  BRACE_VEC4(ray_dy);          /* xyz: … per pixel downwards */
+  BRACE_VEC4(eye);      /* xyz: the eye in voxel coordinates; w: metres per unit */
+  BRACE_VEC4(ray_base); /* xyz: direction through the image's upper left corner, volume axes, metric;
+                           w: rays left of the image */
+  BRACE_VEC4(ray_dx);   /* xyz: change of that direction per pixel to the right; w: rays above the image */
+  BRACE_VEC4(ray_dy);   /* xyz: … per pixel downwards */
   BRACE_VEC4(voxels_per_unit); /* xyz: voxels along each axis per unit of length, at most 1 */
   BRACE_VEC4(volume_dims);     /* xyz: voxels along each axis */
   BRACE_VEC4(value);           /* value = raw * x + y: what the volume's texels mean in the data's units */

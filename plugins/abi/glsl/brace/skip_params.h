@@ -23,7 +23,7 @@ struct BraceSkipParams {
   BRACE_UVEC4(plane);  /* bits, 32 blocks to a word: x: words per row, y: per slice */
   BRACE_UVEC4(octree); /* x: levels, y: words per node */
   BRACE_UVEC4_ARRAY(level, BRACE_SKIP_LEVELS_MAX); /* xyz: nodes along each axis; w: first word */
-  BRACE_UVEC4_ARRAY(visible, 2);                   /* a bit per partition: does the transfer function show it */
+  BRACE_UVEC4_ARRAY(visible, 2); /* a bit per partition: does the transfer function show it */
 };
 
 #ifdef __cplusplus

@@ -1,5 +1,5 @@
-/* What the kernels of stereo/layers know of the pair of eyes in one frame. One text for C++ and GLSL (std140 and
- * std430 alike). Lengths are in units (the smallest voxel spacing), columns and rows in pixels.
+/* What the kernels of stereo/layers know of the pair of eyes in one frame. One text for C++ and GLSL (std140
+ * and std430 alike). Lengths are in units (the smallest voxel spacing), columns and rows in pixels.
  */
 #ifndef BRACE_STEREO_PARAMS_H
 #define BRACE_STEREO_PARAMS_H
