@@ -39,6 +39,7 @@ Stages make_stages(const std::vector<std::string>& plugin_path) {
   registry.add(stages::predict_constant_acceleration, {});
   registry.add(stages::predict_kalman, {});
   registry.add(stages::control_fixed, {});
+  registry.add(stages::control_mab_dynamic, {});
   registry.add(stages::control_pi, {});
   registry.add(stages::control_quantile, {});
   stages.plugins = add_working_plugins(registry, plugin_search(plugin_path), print_log);

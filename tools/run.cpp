@@ -77,10 +77,14 @@ int run_command(const RunCommand& command) {
   const std::filesystem::path out = command.out.empty()
                                         ? std::filesystem::path("runs") / sessions.front().session.name
                                         : std::filesystem::path(command.out);
-  const ReplayOutcome outcome = replay(
-      sessions,
-      {data_folder(), command.gpu, BRACE_VERSION, {stages.find("warp", "none", "built in"), {}}, interrupted},
-      out);
+  const ReplayOutcome outcome = replay(sessions,
+                                       {.data_folder = data_folder(),
+                                        .gpu = command.gpu,
+                                        .version = BRACE_VERSION,
+                                        .no_warp = {stages.find("warp", "none", "built in"), {}},
+                                        .full_rate = {stages.find("rays", "full_rate", "built in"), {}},
+                                        .interrupted = interrupted},
+                                       out);
   if (command.json) {
     fmt::print("{}\n", outcome.summary_json);
   } else {

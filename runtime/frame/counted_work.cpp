@@ -1,5 +1,6 @@
 #include "runtime/frame/counted_work.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <utility>
@@ -26,8 +27,20 @@ WorkCounts mix(const WorkCounts& a, const WorkCounts& b, double t) {
 
 }  // namespace
 
-CountedWork::CountedWork(std::vector<WorkProbe> probes, SimDuration period)
-    : probes_(std::move(probes)), period_(period) {
+CountedWork::CountedWork(std::vector<WorkProbe> probes, SimDuration period, std::vector<double> qualities)
+    : probes_(std::move(probes)), period_(period), qualities_{1.0} {
+  for (const double quality : qualities) {
+    if (!(quality >= 0.0 && quality < qualities_.back())) {
+      throw input_error("counted work: quality {} after {}; accepted: falling ones below 1", quality,
+                        qualities_.back());
+    }
+    qualities_.push_back(quality);
+  }
+  for (const WorkProbe& probe : probes_) {
+    if (probe.cast_below.size() != qualities.size())
+      throw input_error("counted work: a probe has casts at {} qualities below 1; {} are needed",
+                        probe.cast_below.size(), qualities.size());
+  }
   if (probes_.empty()) throw input_error("counted work: no probes; at least one is needed");
   for (std::size_t i = 1; i < probes_.size(); ++i) {
     if (probes_[i].time <= probes_[i - 1].time) {
@@ -37,10 +50,11 @@ CountedWork::CountedWork(std::vector<WorkProbe> probes, SimDuration period)
   if (period_ < SimDuration(0)) throw input_error("counted work: the period is negative");
 }
 
-WorkCounts CountedWork::interpolate(SimTime time, WorkCounts WorkProbe::*counts) {
+template <class Counts>
+WorkCounts CountedWork::interpolate(SimTime time, const Counts& counts) {
   if (period_ > SimDuration(0)) time = SimTime(time.time_since_epoch() % period_);
-  if (time <= probes_.front().time) return probes_.front().*counts;
-  if (time >= probes_.back().time) return probes_.back().*counts;
+  if (time <= probes_.front().time) return counts(probes_.front());
+  if (time >= probes_.back().time) return counts(probes_.back());
   if (probes_[cursor_].time > time)
     cursor_ = 0;  // a new turn, or a warp latched before the last cast's start
   while (probes_[cursor_ + 1].time <= time)
@@ -48,24 +62,29 @@ WorkCounts CountedWork::interpolate(SimTime time, WorkCounts WorkProbe::*counts)
   const WorkProbe& before = probes_[cursor_];
   const WorkProbe& after = probes_[cursor_ + 1];
   const double t = to_s(time - before.time) / to_s(after.time - before.time);
-  return mix(before.*counts, after.*counts, t);
+  return mix(counts(before), counts(after), t);
 }
 
 JobOutcome CountedWork::update(const UpdateRequest& request) {
-  return {.work = interpolate(request.start, &WorkProbe::update)};
+  return {.work = interpolate(request.start, [](const WorkProbe& probe) { return probe.update; })};
 }
 
 JobOutcome CountedWork::cast(const CastRequest& request) {
-  const WorkCounts full = interpolate(request.start, &WorkProbe::cast);
-  if (request.quality == 1.0) return {.work = full};
-  WorkCounts work = mix(WorkCounts{}, full, request.quality);
-  work.texels = full.texels;
-  work.bytes = full.bytes;
-  return {.work = work};
+  std::size_t below = 0;  // the first quality that is not above the one asked for
+  while (below + 1 < qualities_.size() && qualities_[below] > request.quality)
+    ++below;
+  const double low = qualities_[below], high = below == 0 ? 1.0 : qualities_[below - 1];
+  const double t = below == 0 ? 0.0 : std::max(0.0, (request.quality - low) / (high - low));
+  const auto at = [](const WorkProbe& probe, std::size_t quality) {
+    return quality == 0 ? probe.cast : probe.cast_below[quality - 1];
+  };
+  return {.work = interpolate(request.start, [&](const WorkProbe& probe) {
+            return below == 0 ? probe.cast : mix(at(probe, below), at(probe, below - 1), t);
+          })};
 }
 
 JobOutcome CountedWork::warp(const WarpRequest& request) {
-  return {.work = interpolate(request.start, &WorkProbe::warp)};
+  return {.work = interpolate(request.start, [](const WorkProbe& probe) { return probe.warp; })};
 }
 
 ShowOutcome CountedWork::show(const ShowRequest&) {

@@ -10,19 +10,23 @@ namespace brace {
 /// Counted work at a time of the run, from a probe rendered there.
 struct WorkProbe {
   SimTime time;
-  WorkCounts cast{};
+  WorkCounts cast{};                     // at quality 1
+  std::vector<WorkCounts> cast_below{};  // at the qualities below 1 that CountedWork is told
   WorkCounts warp{};
   WorkCounts update{};  // of a change of the transfer function to the version in force there
 };
 
 /// FrameWork without pixels, for pacing-only replays: counts are interpolated linearly between probes
-/// (nearest integer) and held beyond the first and the last; one probe is a constant. `quality` scales rays,
-/// samples, skip steps and fetches of casts. With a period the probes repeat (a looping trace). Does not
-/// allocate after construction; dssim is NaN.
+/// (nearest integer) and held beyond the first and the last; one probe is a constant. Casts are interpolated
+/// between qualities, too, and the lowest is held. With a period the probes repeat (a looping trace). Does
+/// not allocate after construction; dssim is NaN.
 class CountedWork final : public FrameWork {
  public:
   /// Probes in increasing time, at least one; throws input_error otherwise. period 0: none.
-  explicit CountedWork(std::vector<WorkProbe> probes, SimDuration period = SimDuration(0));
+  /// `qualities`: below 1 and falling, one for each entry of the probes' cast_below; without any, the quality
+  /// asked for has no effect.
+  explicit CountedWork(std::vector<WorkProbe> probes, SimDuration period = SimDuration(0),
+                       std::vector<double> qualities = {});
 
   JobOutcome update(const UpdateRequest& request) override;
   JobOutcome cast(const CastRequest& request) override;
@@ -30,11 +34,13 @@ class CountedWork final : public FrameWork {
   ShowOutcome show(const ShowRequest& request) override;
 
  private:
-  WorkCounts interpolate(SimTime time, WorkCounts WorkProbe::*counts);
+  template <class Counts>
+  WorkCounts interpolate(SimTime time, const Counts& counts);
 
   std::vector<WorkProbe> probes_;
   SimDuration period_;
-  std::size_t cursor_ = 0;  // forward walks are amortised O(1)
+  std::vector<double> qualities_;  // from 1 on
+  std::size_t cursor_ = 0;         // forward walks are amortised O(1)
 };
 
 }  // namespace brace

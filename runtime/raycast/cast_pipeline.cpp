@@ -97,7 +97,7 @@ void CastPipeline::set_eye(const gpu::Device& device, const EyeTarget& target, c
 }
 
 void CastPipeline::record(gpu::CommandList& commands, const Resources& resources) const {
-  const CastArea rays{0, 0, resources.rays.across, resources.rays.down};
+  const CastArea rays{0, 0, resources.rays_across(), resources.rays_down()};
   const CastArea image{0, 0, resources.target.width_px, resources.target.height_px};
   commands.barrier();
   commands.begin_timing("opening");

@@ -71,7 +71,8 @@ struct RayBuffers {
   gpu::Buffer entries, directions, colours, depths_m;
 };
 
-/// A grid of more rays than the image has pixels: `left` of them before its first column, `top` above it.
+/// Another grid of rays than one per pixel of the image: with `left` rays before its first column and `top`
+/// above it, or with no place in it at all (rays/mab).
 struct RayGrid {
   int across = 0, down = 0;
   int left = 0, top = 0;
@@ -97,7 +98,7 @@ class CastPipeline {
                const gpu::CompileOptions& options = {});
 
   /// Sets where the eye is; what `commands` recorded before reads it too, so nothing may be in flight.
-  /// `grid`: where a stereo stage wants rays beside the image; one ray per pixel without.
+  /// `grid`: where a rays or stereo stage wants another one; one ray per pixel without.
   static void set_eye(const gpu::Device& device, const EyeTarget& target, const EyeView& eye,
                       const VolumePlacement& placement, const VolumeOnDevice& volume,
                       const TransferOnDevice& transfer, const std::optional<RayGrid>& grid = {});
@@ -110,6 +111,10 @@ class CastPipeline {
     const EyeTarget& target;
     std::span<const gpu::Binding> more = {};  // skip maps, layers, …
     SkipMapBuffers skip_map = {};
+    std::optional<RayGrid> grid = {};  // the part of `rays` in use; all of them without
+
+    int rays_across() const { return grid ? grid->across : rays.across; }
+    int rays_down() const { return grid ? grid->down : rays.down; }
   };
 
   /// Records one eye whole, with the timings "opening", "cast" and "closing" and barriers around each.

@@ -23,8 +23,8 @@ brace_volume_layout layout_of(const VolumeOnDevice& volume) {
   return BRACE_VOLUME_LAYOUT_IMAGE;
 }
 
-std::uint64_t ray_count(const RayBuffers& rays) {
-  return static_cast<std::uint64_t>(rays.across) * static_cast<std::uint64_t>(rays.down);
+std::uint64_t ray_count(const CastPipeline::Resources& in) {
+  return static_cast<std::uint64_t>(in.rays_across()) * static_cast<std::uint64_t>(in.rays_down());
 }
 
 brace_area to_abi(const CastArea& area) {
@@ -138,15 +138,15 @@ ActivationInput activation_input(const gpu::Device& device, const VolumeOnDevice
 
 brace_cast_frame cast_frame(const EyeCast& eye, VkCommandBuffer_T* commands, const CastArea& area) {
   const CastPipeline::Resources& in = eye.resources;
-  const std::uint64_t rays = ray_count(in.rays);
+  const std::uint64_t rays = ray_count(in);
   brace_cast_frame frame{};
   frame.struct_size = sizeof frame;
   frame.eye = eye.eye;
   frame.frame = eye.frame;
   frame.commands = commands;
   frame.view = to_abi(eye.view);
-  frame.rays_across = static_cast<std::uint32_t>(in.rays.across);
-  frame.rays_down = static_cast<std::uint32_t>(in.rays.down);
+  frame.rays_across = static_cast<std::uint32_t>(in.rays_across());
+  frame.rays_down = static_cast<std::uint32_t>(in.rays_down());
   frame.area = to_abi(area);
   frame.params = buffer_range(in.target.params);
   frame.ray_entries = buffer_range(in.rays.entries, 0, rays * 16);
@@ -192,7 +192,7 @@ void execute_cast(const EyeCast& eye, const CastArea& area, HostRays& host, Work
 
 EyeCastOutcome cast_eye(const EyeCast& eye, gpu::CommandList& commands, HostRays& host) {
   const RayBuffers& buffers = eye.resources.rays;
-  const CastArea rays{0, 0, buffers.across, buffers.down};
+  const CastArea rays{0, 0, eye.resources.rays_across(), eye.resources.rays_down()};
   const CastArea image{0, 0, eye.resources.target.width_px, eye.resources.target.height_px};
   const bool on_host = eye.cast != nullptr && eye.cast->casts_on_host();
   const bool watched = eye.watchdog != nullptr && eye.watchdog->watches_outputs();
@@ -232,7 +232,7 @@ EyeCastOutcome cast_eye(const EyeCast& eye, gpu::CommandList& commands, HostRays
       commands.reset();
     }
     eye.watchdog->record_output_check(commands, buffers.colours, buffers.depths_m,
-                                      static_cast<std::uint32_t>(ray_count(buffers)));
+                                      static_cast<std::uint32_t>(ray_count(eye.resources)));
     (void)run(id_of(eye.cast_id, eye.cast));
     commands.reset();
     watch_cast(eye, cast_ns);

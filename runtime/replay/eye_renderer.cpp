@@ -42,6 +42,12 @@ std::uint64_t guard_bytes(const Session& session) {
   return session.run.watchdog == WatchdogLevel::full ? watchdog_guard_bytes : 0;
 }
 
+std::unique_ptr<MabBraces> make_mab(const gpu::Device& device, const Session& session,
+                                    const Headset& headset) {
+  std::optional<MabPlan> plan = plan_mab(session, headset);
+  return plan ? std::make_unique<MabBraces>(device, std::move(*plan), guard_bytes(session)) : nullptr;
+}
+
 std::int64_t total_ns(std::span<const gpu::Timing> timings) {
   std::int64_t total = 0;
   for (const gpu::Timing& timing : timings)
@@ -50,6 +56,15 @@ std::int64_t total_ns(std::span<const gpu::Timing> timings) {
 }
 
 }  // namespace
+
+std::optional<MabPlan> plan_mab(const Session& session, const Headset& headset) {
+  const PipelineStage& rays = session.pipeline.at("rays");
+  if (rays.stage.id() != "rays/mab") return {};
+  return MabPlan(mab_settings(rays), headset.profile,
+                 {.eye_px = {headset.eye.width_px, headset.eye.height_px},
+                  .panel_px = {headset.panel.width_px, headset.panel.height_px},
+                  .resolution_scale = session.device.resolution_scale});
+}
 
 EyePair make_eye_pair(const gpu::Device& device, PictureSize size) {
   return {EyeTarget(device, size.width_px, size.height_px), EyeTarget(device, size.width_px, size.height_px)};
@@ -67,13 +82,15 @@ EyeRenderer::EyeRenderer(const gpu::Device& device, const Session& session, cons
       counting_(counting),
       pipeline_(device, session_kernels(session, scene, data_folder, counting == Counting::on,
                                         !is_single_pass(session))),
-      rays_(device, headset.eye.width_px, headset.eye.height_px, guard_bytes(session)),
+      mab_(make_mab(device, session, headset)),
+      own_rays_(mab_ ? RayBuffers()
+                     : RayBuffers(device, headset.eye.width_px, headset.eye.height_px, guard_bytes(session))),
       commands_(device, "eyes"),
       watchdog_(watchdog) {
   activate_native_stages();
   if (watchdog != nullptr) {
-    watchdog->arm_guard(rays_.colours);
-    watchdog->arm_guard(rays_.depths_m);
+    watchdog->arm_guard(rays().colours);
+    watchdog->arm_guard(rays().depths_m);
   }
   if (second_eye == SecondEye::ray_cast || !is_single_pass(session)) return;
   const StereoPlan plan = plan_single_pass(device, session, headset, scene.volume.info(), placement);
@@ -92,20 +109,37 @@ void EyeRenderer::transfer_changed() {
 void EyeRenderer::activate_native_stages() {
   const auto make = [&](const char* family, std::optional<ActiveStage>& stage) {
     if (!is_native(session_, family)) return;
-    stage.emplace(session_.pipeline.at(family),
-                  scene_activation(device_, session_, headset_, scene_, placement_));
+    ActivationInput input = scene_activation(device_, session_, headset_, scene_, placement_);
+    if (mab_) input.ray_count_max = static_cast<std::uint32_t>(rays().across * rays().down);
+    stage.emplace(session_.pipeline.at(family), input);
   };
   make("rays", native_rays_);
   make("cast", native_cast_);
   make("stereo", native_stereo_);
 }
 
+void EyeRenderer::set_eye(sim::Eye eye, const EyeView& view, const EyeTarget& target) const {
+  CastPipeline::set_eye(device_, target, view, placement_, scene_.volume, scene_.transfer,
+                        mab_ ? std::optional(mab_->grid(eye)) : std::nullopt);
+}
+
+/// Valid until the next call.
+CastPipeline::Resources EyeRenderer::resources_of(sim::Eye eye, const EyeTarget& target) {
+  const auto skip = scene_.skip_bindings();
+  bindings_.assign(skip.begin(), skip.end());
+  std::optional<RayGrid> grid;
+  if (mab_) {
+    bindings_.insert(bindings_.end(), mab_->bindings(eye).begin(), mab_->bindings(eye).end());
+    grid = mab_->grid(eye);
+  }
+  return {scene_.volume, scene_.transfer, rays(), target, bindings_, scene_.skip_map(), grid};
+}
+
 EyeCastOutcome EyeRenderer::cast_eye_by_steps(sim::Eye eye, const Pose& world_from_head,
                                               const EyeTarget& target) {
   const EyeView view = eye_view(headset_, eye, world_from_head);
-  CastPipeline::set_eye(device_, target, view, placement_, scene_.volume, scene_.transfer);
-  const CastPipeline::Resources resources{scene_.volume, scene_.transfer,        rays_,
-                                          target,        scene_.skip_bindings(), scene_.skip_map()};
+  set_eye(eye, view, target);
+  const CastPipeline::Resources resources = resources_of(eye, target);
   const std::string rays_id = session_.pipeline.at("rays").stage.id();
   const std::string cast_id = session_.pipeline.at("cast").stage.id();
   return cast_eye({.device = device_,
@@ -163,20 +197,20 @@ JobOutcome EyeRenderer::render_by_steps(const Pose& world_from_head, const EyePa
   return outcome;
 }
 
-JobOutcome EyeRenderer::render(const Pose& world_from_head, const EyePair& into) {
+JobOutcome EyeRenderer::render(const Pose& world_from_head, const EyePair& into, double quality) {
   if (single_pass_) {
     if (const std::optional<JobOutcome> outcome = single_pass_->render(world_from_head, into))
       return *outcome;
   }
+  if (mab_) mab_->set_quality(quality);
   if (counting_ == Counting::on) pipeline_.reset_counters(device_);
   if (native_rays_ || native_cast_ || native_stereo_ || watchdog_ != nullptr)
     return render_by_steps(world_from_head, into);
   commands_.reset();
   for (const sim::Eye eye : sim::all_eyes) {
     const EyeTarget& target = into[static_cast<std::size_t>(eye)];
-    CastPipeline::set_eye(device_, target, eye_view(headset_, eye, world_from_head), placement_,
-                          scene_.volume, scene_.transfer);
-    pipeline_.record(commands_, {scene_.volume, scene_.transfer, rays_, target, scene_.skip_bindings()});
+    set_eye(eye, eye_view(headset_, eye, world_from_head), target);
+    pipeline_.record(commands_, resources_of(eye, target));
   }
   JobOutcome outcome;
   outcome.device_time = SimDuration(total_ns(gpu::submit_and_wait(commands_)));

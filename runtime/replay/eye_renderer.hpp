@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "runtime/frame/frame_work.hpp"
+#include "runtime/mab/mab_braces.hpp"
 #include "runtime/raycast/cast_pipeline.hpp"
 #include "runtime/raycast/native_steps.hpp"
 #include "runtime/replay/headset.hpp"
@@ -13,6 +14,9 @@
 #include "runtime/replay/single_pass.hpp"
 
 namespace brace {
+
+/// The session's rays/mab over the headset's eyes; empty for other stages.
+std::optional<MabPlan> plan_mab(const Session& session, const Headset& headset);
 
 EyePair make_eye_pair(const gpu::Device& device, PictureSize size);
 
@@ -32,7 +36,8 @@ class EyeRenderer {
               const std::filesystem::path& data_folder, Counting counting, Watchdog* watchdog = nullptr,
               SecondEye second_eye = SecondEye::as_session);
 
-  JobOutcome render(const Pose& world_from_head, const EyePair& into);
+  /// `quality`: the share of the rays that load control asks for; only rays/mab can cast fewer.
+  JobOutcome render(const Pose& world_from_head, const EyePair& into, double quality = 1.0);
 
   /// Call after the scene's transfer function has changed: native stages, which have it from their
   /// activation, are activated anew.
@@ -43,8 +48,11 @@ class EyeRenderer {
 
  private:
   void activate_native_stages();
+  void set_eye(sim::Eye eye, const EyeView& view, const EyeTarget& target) const;
+  CastPipeline::Resources resources_of(sim::Eye eye, const EyeTarget& target);
   JobOutcome render_by_steps(const Pose& world_from_head, const EyePair& into);
   EyeCastOutcome cast_eye_by_steps(sim::Eye eye, const Pose& world_from_head, const EyeTarget& target);
+  const RayBuffers& rays() const { return mab_ ? mab_->rays() : own_rays_; }
   std::int64_t compose_right_eye(const Pose& world_from_head, const EyePair& into);
 
   const gpu::Device& device_;
@@ -54,7 +62,9 @@ class EyeRenderer {
   VolumePlacement placement_;
   Counting counting_;
   CastPipeline pipeline_;
-  RayBuffers rays_;
+  std::unique_ptr<MabBraces> mab_;  // null unless the session's rays are rays/mab's
+  RayBuffers own_rays_;             // empty with mab_
+  std::vector<gpu::Binding> bindings_;
   gpu::CommandList commands_;
 
   // Empty where the pipeline's kernels do the work.

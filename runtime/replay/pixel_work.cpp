@@ -8,8 +8,18 @@
 
 namespace brace {
 
+namespace {
+
+Session with_rays(Session session, const PipelineStage& rays) {
+  session.pipeline.at("rays") = rays;
+  return session;
+}
+
+}  // namespace
+
 PixelWork::Ideal::Ideal(const Inputs& in)
-    : renderer(in.device, in.session, in.headset, in.scene, in.placement, in.data_folder,
+    : session(with_rays(in.session, in.full_rate)),
+      renderer(in.device, session, in.headset, in.scene, in.placement, in.data_folder,
                EyeRenderer::Counting::off, nullptr, EyeRenderer::SecondEye::ray_cast),
       display(in.device, in.headset, in.no_warp, in.data_folder),
       eyes(make_eye_pair(in.device, in.headset.eye)) {}
@@ -45,7 +55,8 @@ JobOutcome PixelWork::update(const UpdateRequest& request) {
 }
 
 JobOutcome PixelWork::cast(const CastRequest& request) {
-  return renderer_.render(request.world_from_head, slots_[static_cast<std::size_t>(request.slot)]);
+  return renderer_.render(request.world_from_head, slots_[static_cast<std::size_t>(request.slot)],
+                          request.quality);
 }
 
 JobOutcome PixelWork::warp(const WarpRequest& request) {

@@ -25,11 +25,12 @@ class PixelWork final : public FrameWork {
     SceneOnDevice& scene;
     const VolumePlacement& placement;
     const std::filesystem::path& data_folder;
-    const PipelineStage& no_warp;  // warp/none: what the ideal picture is shown with
-    std::int64_t vsyncs = 0;       // of the whole run
-    RunDirectory& run;             // where pictures go
-    std::string picture_folder;    // in the run directory
-    Watchdog* watchdog = nullptr;  // of the eye frames
+    const PipelineStage& no_warp;    // warp/none: what the ideal picture is shown with
+    const PipelineStage& full_rate;  // rays/full_rate: what it is rendered with
+    std::int64_t vsyncs = 0;         // of the whole run
+    RunDirectory& run;               // where pictures go
+    std::string picture_folder;      // in the run directory
+    Watchdog* watchdog = nullptr;    // of the eye frames
   };
   explicit PixelWork(const Inputs& inputs);
 
@@ -45,6 +46,7 @@ class PixelWork final : public FrameWork {
   /// An ideal render: full quality, the true pose and transfer function of photon time, no warp.
   struct Ideal {
     explicit Ideal(const Inputs& in);
+    Session session;  // the run's, with a ray for every pixel
     EyeRenderer renderer;
     PanelDisplay display;
     EyePair eyes;

@@ -1,6 +1,7 @@
 #include "runtime/replay/series_work.hpp"
 
 #include <algorithm>
+#include <array>
 #include <set>
 
 #include "base/error.hpp"
@@ -13,6 +14,8 @@ namespace brace {
 namespace {
 
 constexpr int kProbes = 64;
+/// Shares of the rays that are probed where load control can change them.
+constexpr std::array kQualities = {0.7, 0.5, 0.35, 0.25, 0.15, 0.08};
 
 bool makes_pictures(const Session& session) {
   using Kind = Session::Output::Selection::Kind;
@@ -39,27 +42,39 @@ std::set<SimTime> probe_times(const TransferSchedule& transfer, const Headset& h
   return times;
 }
 
+/// Whether the number of rays follows what the control stage asks for.
+bool quality_counts(const Session& session) {
+  return session.pipeline.at("rays").stage.id() == "rays/mab" &&
+         session.pipeline.at("control").stage.id() != "control/fixed";
+}
+
 /// Counts of work along the head's motion, from eye frames rendered at the true poses.
-CountedWork probe_work(EyeRenderer& renderer, const gpu::Device& device, SceneOnDevice& scene,
-                       HeadMotion head, std::int64_t vsyncs, const Headset& headset, const WorkCounts& warp,
-                       const ReplayOptions& options) {
-  const EyePair eyes = make_eye_pair(device, headset.eye);
-  const std::set<SimTime> times = probe_times(scene.versions.schedule(), headset, vsyncs);
+CountedWork probe_work(const SeriesWorkInputs& in, EyeRenderer& renderer, SceneOnDevice& scene,
+                       const WorkCounts& warp) {
+  const EyePair eyes = make_eye_pair(*in.device, in.headset.eye);
+  const std::set<SimTime> times = probe_times(scene.versions.schedule(), in.headset, in.vsyncs);
+  HeadMotion head = in.head;
+  std::vector<double> qualities;
+  if (quality_counts(in.session)) qualities.assign(kQualities.begin(), kQualities.end());
   std::vector<WorkProbe> probes;
   ProgressMeter meter("probing work", static_cast<std::uint64_t>(times.size()), "frames");
   WorkCounts update;
   for (const SimTime time : times) {
     const std::int64_t version = scene.versions.schedule().version_at(time);
     if (version != scene.transfer_version) {
-      update = scene.show_transfer(device, version).work;
+      update = scene.show_transfer(*in.device, version).work;
       renderer.transfer_changed();
     }
-    probes.push_back({time, renderer.render(head.true_pose(time), eyes).work, warp, update});
+    const Pose pose = head.true_pose(time);
+    WorkProbe probe{.time = time, .cast = renderer.render(pose, eyes).work, .warp = warp, .update = update};
+    for (const double quality : qualities)
+      probe.cast_below.push_back(renderer.render(pose, eyes, quality).work);
+    probes.push_back(std::move(probe));
     meter.update(probes.size());
-    throw_if_interrupted(options);
+    throw_if_interrupted(in.options);
   }
   meter.finish();
-  return CountedWork(std::move(probes));
+  return CountedWork(std::move(probes), SimDuration(0), std::move(qualities));
 }
 
 std::string probe_fact(std::int64_t vsyncs) {
@@ -74,8 +89,7 @@ std::unique_ptr<FrameWork> count_with_probes(const SeriesWorkInputs& in, SeriesW
   const PanelDisplay display(*in.device, in.headset, in.session.pipeline.at("warp"), in.options.no_warp,
                              scene_activation(*in.device, in.session, in.headset, scene, in.placement),
                              in.options.data_folder);
-  auto counted = std::make_unique<CountedWork>(
-      probe_work(renderer, *in.device, scene, in.head, in.vsyncs, in.headset, display.work(), in.options));
+  auto counted = std::make_unique<CountedWork>(probe_work(in, renderer, scene, display.work()));
   if (const std::string note = renderer.stereo_note(); !note.empty())
     work.facts.push_back({"stereo/layers, frames", note});
   return counted;
@@ -89,6 +103,17 @@ void announce_stereo(const SeriesWorkInputs& in, SeriesWork& work) {
   fmt::print(stderr, "stereo/layers: {}\n", plan.summary);
   work.facts.push_back({"stereo/layers", plan.summary});
   if (plan.layers_left_out) work.left_out.push_back({"stereo", plan.summary});
+}
+
+/// What rays/mab makes of the headset, and whether load control has anything to control.
+void announce_rays(const SeriesWorkInputs& in, SeriesWork& work) {
+  const std::string control = in.session.pipeline.at("control").stage.id();
+  const std::string rays = in.session.pipeline.at("rays").stage.id();
+  if (const std::optional<MabPlan> plan = plan_mab(in.session, in.headset)) {
+    work.facts.push_back({rays, plan->summary()});
+  } else if (control != "control/fixed") {
+    work.facts.push_back({control, "no effect: " + rays + " casts the same rays at every quality"});
+  }
 }
 
 void load(const SeriesWorkInputs& in, SeriesWork& work) {
@@ -109,6 +134,7 @@ bool needs_device(const Session& session) {
 SeriesWork make_work(const SeriesWorkInputs& in) {
   const Session& session = in.session;
   SeriesWork work;
+  announce_rays(in, work);
   if (in.device != nullptr && needs_device(session)) load(in, work);
   if (work.scene && session.run.watchdog != WatchdogLevel::off) {
     work.watchdog =
@@ -116,13 +142,10 @@ SeriesWork make_work(const SeriesWorkInputs& in) {
   }
   if (makes_pictures(session) || session.clock.cost == "measured") {
     const std::string folder = in.label.empty() ? "images" : "images-" + file_part(in.label);
-    auto rendered = std::make_unique<PixelWork>(
-        PixelWork::Inputs{*in.device, session, in.headset, *work.scene, in.placement, in.options.data_folder,
-                          in.options.no_warp, in.vsyncs, in.run, folder, work.watchdog.get()});
+    auto rendered = std::make_unique<PixelWork>(PixelWork::Inputs{
+        *in.device, session, in.headset, *work.scene, in.placement, in.options.data_folder,
+        in.options.no_warp, in.options.full_rate, in.vsyncs, in.run, folder, work.watchdog.get()});
     work.pixels = rendered.get();
-    const std::string control = session.pipeline.at("control").stage.id();
-    if (control != "control/fixed")
-      work.facts.push_back({control, "no effect on this run: its pictures are rendered with every ray"});
     work.frame_work = std::move(rendered);
   } else if (work.scene) {
     work.frame_work = count_with_probes(in, work);
@@ -131,7 +154,7 @@ SeriesWork make_work(const SeriesWorkInputs& in) {
     work.frame_work = std::make_unique<RecordedWork>(session.clock.cost.substr(9));
     work.facts.push_back({"counted work", "that of the recorded run"});
   } else {
-    work.frame_work = std::make_unique<CountedWork>(std::vector<WorkProbe>{{SimTime(), {}, {}}});
+    work.frame_work = std::make_unique<CountedWork>(std::vector<WorkProbe>{{.time = SimTime()}});
     work.facts.push_back({"counted work", "none: nothing was rendered"});
   }
   return work;

@@ -5,6 +5,7 @@
 namespace brace::stages {
 
 extern const brace_stage_descriptor control_fixed;
+extern const brace_stage_descriptor control_mab_dynamic;
 extern const brace_stage_descriptor control_pi;
 extern const brace_stage_descriptor control_quantile;
 

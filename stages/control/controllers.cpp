@@ -1,4 +1,4 @@
-// control/pi and control/quantile: the controllers of load_control.hpp as stages.
+// control/pi, control/quantile and control/mab_dynamic: the controllers of load_control.hpp as stages.
 #include <cstdio>
 #include <new>
 
@@ -110,7 +110,75 @@ brace_result update_quantile(void* object, const brace_control_input* input, dou
 
 constexpr brace_control_functions quantile_functions{sizeof(brace_control_functions), update_quantile};
 
+constexpr WindowControl::Settings window_fallback;
+constexpr brace_param window_params[] = {
+    float_parameter("window_frames", "", "frames over which the change of the cost is taken", 2,
+                    WindowControl::window_max, static_cast<double>(window_fallback.window_frames)),
+    float_parameter("load_min", "", "share of the budget below which more rays are cast", 0.01, 1,
+                    window_fallback.load_min),
+    float_parameter("load_max", "", "share of the budget above which fewer are", 0.01, 1,
+                    window_fallback.load_max),
+    float_parameter("step", "", "least change of ln(quality)", 0.0001, 2, window_fallback.step),
+    float_parameter("gradient_gain", "", "of the change of ln(cost) over the window", 0, 2,
+                    window_fallback.gradient_gain),
+    float_parameter("quality_min", "", "quality never falls below this", 0.001, 1,
+                    window_fallback.quality_min)};
+
+struct Window {
+  WindowControl::Settings settings;
+  WindowControl control{settings};
+  char error[160] = "";
+};
+
+void* create_window(const double* values, uint32_t) {
+  const WindowControl::Settings settings{
+      static_cast<std::size_t>(values[0]), values[1], values[2], values[3], values[4], values[5]};
+  return new (std::nothrow) Window{settings, WindowControl(settings), ""};
+}
+
+void destroy_window(void* self) {
+  delete static_cast<Window*>(self);
+}
+
+brace_result activate_window(void* object, const brace_activation*) {
+  auto* self = static_cast<Window*>(object);
+  self->control = WindowControl(self->settings);
+  return BRACE_OK;
+}
+
+brace_result update_window(void* object, const brace_control_input* input, double* quality) {
+  auto* self = static_cast<Window*>(object);
+  if (!(self->settings.load_min < self->settings.load_max)) {
+    std::snprintf(self->error, sizeof self->error, "load_min = %g is not below load_max = %g",
+                  self->settings.load_min, self->settings.load_max);
+    return BRACE_UNSUPPORTED;
+  }
+  *quality = self->control.update(load_of(*input));
+  return BRACE_OK;
+}
+
+const char* error_of_window(void* self) {
+  return static_cast<Window*>(self)->error;
+}
+
+constexpr brace_control_functions window_functions{sizeof(brace_control_functions), update_window};
+
 }  // namespace
+
+const brace_stage_descriptor control_mab_dynamic{
+    .struct_size = sizeof(brace_stage_descriptor),
+    .kind = BRACE_KIND_CONTROL,
+    .name = "mab_dynamic",
+    .version = "1.0.0",
+    .help = "two thresholds of the frame's cost; its change over a window decides how far the rays change",
+    .params = window_params,
+    .param_count = 6,
+    .create = create_window,
+    .destroy = destroy_window,
+    .functions = &window_functions,
+    .activate = activate_window,
+    .deactivate = nullptr,
+    .last_error = error_of_window};
 
 const brace_stage_descriptor control_pi{
     .struct_size = sizeof(brace_stage_descriptor),

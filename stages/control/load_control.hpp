@@ -1,5 +1,7 @@
 #pragma once
 
+#include <array>
+#include <cstddef>
 #include <cstdint>
 
 namespace brace::stages {
@@ -54,6 +56,31 @@ class QuantileControl {
 
  private:
   Settings settings_;
+  double u_ = 0;
+};
+
+/// Waschk and Krueger 2021, section 4, on u = ln(quality): outside two thresholds of the last frame's cost, u
+/// moves by `step` and by what ln(cost) has changed over a window of frames in the same direction; between
+/// them it rests. Where the paper lets the gradient decide which anchor moves, rays/mab has one order for all
+/// qualities: small cuts come from fine levels, large ones from coarse ones.
+class WindowControl {
+ public:
+  static constexpr std::size_t window_max = 64;
+  struct Settings {
+    std::size_t window_frames = 8;           // 2 ... window_max
+    double load_min = 0.75, load_max = 0.9;  // of the budget: below the one more rays, above the other fewer
+    double step = 0.02;
+    double gradient_gain = 0.5;
+    double quality_min = 0.05;
+  };
+  explicit WindowControl(const Settings& settings) : settings_(settings) {}
+
+  double update(const FrameLoad& load);
+
+ private:
+  Settings settings_;
+  std::array<double, window_max> log_costs_{};  // the last window_frames, in a ring
+  std::size_t frames_ = 0;
   double u_ = 0;
 };
 

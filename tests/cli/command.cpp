@@ -147,6 +147,21 @@ Outcome Workplace::brace(const std::vector<std::string>& arguments, const RunOpt
   return outcome;
 }
 
+std::vector<double> csv_column(const std::string& text, const std::string& column) {
+  std::istringstream rows(text);
+  std::string row, cell;
+  std::getline(rows, row);
+  const auto at = std::count(row.begin(), row.begin() + static_cast<std::ptrdiff_t>(row.find(column)), ',');
+  std::vector<double> numbers;
+  while (std::getline(rows, row)) {
+    std::istringstream cells(row);
+    for (std::ptrdiff_t i = 0; i <= at; ++i)
+      std::getline(cells, cell, ',');
+    numbers.push_back(cell.empty() ? 0.0 : std::stod(cell));
+  }
+  return numbers;
+}
+
 std::string quick_session() {
   return R"([device]
 profile = "htc-vive"

@@ -43,6 +43,9 @@ class Workplace {
   std::filesystem::path folder_;
 };
 
+/// The numbers of one column of a CSV text with a heading; empty cells are 0.
+std::vector<double> csv_column(const std::string& text, const std::string& column);
+
 /// A quick session: a box of 32 cubed, a turning head, ten vsyncs, no pictures, no image error.
 std::string quick_session();
 

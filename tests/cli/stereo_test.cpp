@@ -1,7 +1,7 @@
 // stereo/layers through the command: its pictures beside those of two passes.
 #include <algorithm>
 #include <cmath>
-#include <sstream>
+#include <numeric>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -55,19 +55,8 @@ class Stereo : public ::testing::Test {
   }
   /// Of all casts, from costs.csv.
   double samples(const std::string& name) {
-    std::istringstream rows(place_.read(name + "/costs.csv"));
-    std::string row, cell;
-    std::getline(rows, row);
-    const auto column =
-        std::count(row.begin(), row.begin() + static_cast<std::ptrdiff_t>(row.find("samples")), ',');
-    double sum = 0.0;
-    while (std::getline(rows, row)) {
-      std::istringstream cells(row);
-      for (std::ptrdiff_t i = 0; i <= column; ++i)
-        std::getline(cells, cell, ',');
-      sum += cell.empty() ? 0.0 : std::stod(cell);
-    }
-    return sum;
+    const std::vector<double> counts = test::csv_column(place_.read(name + "/costs.csv"), "samples");
+    return std::accumulate(counts.begin(), counts.end(), 0.0);
   }
   nlohmann::json summary(const std::string& name) {
     return nlohmann::json::parse(place_.read(name + "/summary.json"));

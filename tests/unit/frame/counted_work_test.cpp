@@ -39,15 +39,31 @@ TEST(CountedWork, RepeatsWithAPeriod) {
   }
 }
 
-TEST(CountedWork, QualityScalesRayWorkAndNeitherTexelsNorBytes) {
+TEST(CountedWork, InterpolatesBetweenQualitiesAndHoldsTheLowest) {
+  CountedWork work({{.time = sim_time(0),
+                     .cast = {.rays = 100, .samples = 1000},
+                     .cast_below = {{.rays = 60, .samples = 400}, {.rays = 20, .samples = 200}}},
+                    {.time = sim_time(100),
+                     .cast = {.rays = 200, .samples = 2000},
+                     .cast_below = {{.rays = 120, .samples = 800}, {.rays = 40, .samples = 400}}}},
+                   SimDuration(0), {0.5, 0.25});
+  EXPECT_EQ(cast_at(work, 0, 0.75).work, (WorkCounts{.rays = 80, .samples = 700}));
+  EXPECT_EQ(cast_at(work, 0, 0.5).work, (WorkCounts{.rays = 60, .samples = 400}));
+  EXPECT_EQ(cast_at(work, 50, 0.375).work, (WorkCounts{.rays = 60, .samples = 450}));
+  EXPECT_EQ(cast_at(work, 0, 0.01).work, (WorkCounts{.rays = 20, .samples = 200}));
+}
+
+TEST(CountedWork, WithoutFurtherQualitiesNoneHasAnEffect) {
   CountedWork work({{.time = sim_time(0), .cast = {100, 1000, 60, 40, 30, 20}}});
-  EXPECT_EQ(cast_at(work, 0, 0.25).work, (WorkCounts{25, 250, 15, 10, 30, 20}));
+  EXPECT_EQ(cast_at(work, 0, 0.25).work, (WorkCounts{100, 1000, 60, 40, 30, 20}));
 }
 
 TEST(CountedWork, RefusesTablesThatAreNone) {
   EXPECT_THROW(CountedWork({}), Error);
   EXPECT_THROW(CountedWork({{.time = sim_time(5)}, {.time = sim_time(5)}}), Error);
   EXPECT_THROW(CountedWork({{.time = sim_time(5)}}, SimDuration(-1)), Error);
+  EXPECT_THROW(CountedWork({{.time = sim_time(5)}}, SimDuration(0), {0.5}), Error);
+  EXPECT_THROW(CountedWork({{.time = sim_time(5), .cast_below = {{}}}}, SimDuration(0), {1.0}), Error);
 }
 
 }  // namespace

@@ -349,7 +349,11 @@ TEST(FrameLoop, ControlHearsOfEveryFrameAndItsQualityReachesTheNextCast) {
   const brace_control_functions functions{sizeof(brace_control_functions), full_then_half};
   rig.control = {&functions, &calls};
   rig.config.warp_lead = ms(2);
-  CountedWork work({{.time = sim_time(0), .cast = {.samples = 1000}, .warp = {.texels = 1}}});
+  CountedWork work({{.time = sim_time(0),
+                     .cast = {.samples = 1000},
+                     .cast_below = {{.samples = 500}},
+                     .warp = {.texels = 1}}},
+                   SimDuration(0), {0.5});
   rig.work = &work;
   const RunRecords records = rig.run(4.0, 1.0);
   ASSERT_EQ(static_cast<std::int64_t>(calls.size()), rig.result.eye_frames_finished);

@@ -1,0 +1,157 @@
+#include "runtime/mab/mab_plan.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/core.h>
+
+#include "base/error.hpp"
+
+namespace brace {
+
+namespace {
+
+constexpr int texels_max = 16383;  // pack_texel
+
+void read_scales(const PipelineStage& stage, MabSettings& settings) {
+  for (int i = 0; i < settings.levels; ++i) {
+    const auto level = static_cast<std::size_t>(i);
+    settings.scale[level] = stage.value(fmt::format("scale_{}", i));
+    if (i > 0 && !(settings.scale[level] < settings.scale[level - 1])) {
+      throw input_error("stage rays/mab: scale_{} = {} is not below scale_{} = {}; accepted: falling scales",
+                        i, settings.scale[level], i - 1, settings.scale[level - 1]);
+    }
+  }
+}
+
+/// A level begins where its scale is enough for the demand; by radius, where the settings say.
+void read_anchors(const PipelineStage& stage, MabSettings& settings) {
+  settings.anchors.levels = settings.levels;
+  settings.anchors.blend = stage.value("blend");
+  for (int i = 1; i < settings.levels; ++i) {
+    const auto level = static_cast<std::size_t>(i);
+    if (settings.map != LevelMap::radius) {
+      settings.anchors.begin[level] = 1.0 - settings.scale[level];
+      continue;
+    }
+    settings.anchors.begin[level] = stage.value(fmt::format("anchor_{}", i));
+    if (i > 1 && !(settings.anchors.begin[level] >= settings.anchors.begin[level - 1])) {
+      throw input_error("stage rays/mab: anchor_{} = {} is below anchor_{} = {}; accepted: rising anchors", i,
+                        settings.anchors.begin[level], i - 1, settings.anchors.begin[level - 1]);
+    }
+  }
+}
+
+std::vector<AtlasRect> level_sizes(const MabSettings& settings, glm::ivec2 eye_px) {
+  std::vector<AtlasRect> sizes;
+  for (int i = 0; i < settings.levels; ++i) {
+    const double scale = settings.scale[static_cast<std::size_t>(i)];
+    sizes.push_back({0, 0, std::max(1, static_cast<int>(std::lround(eye_px.x * scale))),
+                     std::max(1, static_cast<int>(std::lround(eye_px.y * scale)))});
+  }
+  return sizes;
+}
+
+std::uint64_t area(int width, int height) {
+  return static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height);
+}
+
+}  // namespace
+
+MabSettings mab_settings(const PipelineStage& stage) {
+  MabSettings settings;
+  settings.map = static_cast<LevelMap>(static_cast<int>(stage.value("map")));
+  settings.levels = static_cast<int>(stage.value("levels"));
+  read_scales(stage, settings);
+  read_anchors(stage, settings);
+  settings.gaze_tan = {stage.value("gaze_x"), stage.value("gaze_y")};
+  settings.acuity_slope = stage.value("acuity_slope");
+  settings.reach = stage.value("filter") == 0.0 ? 1 : 2;
+  settings.compact = stage.value("scheme") == 0.0;
+  return settings;
+}
+
+MabPlan::MabPlan(const MabSettings& settings, const sim::DeviceProfile& profile, const Sizes& sizes)
+    : settings_(settings), eye_px_(sizes.eye_px), atlas_(pack_atlas(level_sizes(settings, sizes.eye_px))) {
+  if (std::max(atlas_.width, atlas_.height) > texels_max) {
+    throw input_error("stage rays/mab: the atlas is {} x {} texels; accepted: up to {} across and down",
+                      atlas_.width, atlas_.height, texels_max);
+  }
+  for (const sim::Eye eye : sim::all_eyes) {
+    const sim::EyeProfile& optics = profile.eye(eye);
+    std::vector<float> coordinates =
+        level_coordinates(settings.map, {.lens = optics.lens,
+                                         .fov = optics.fov,
+                                         .width_px = eye_px_.x,
+                                         .height_px = eye_px_.y,
+                                         .panel_width_px = sizes.panel_px.x,
+                                         .panel_height_px = sizes.panel_px.y,
+                                         .gaze_tan = settings.gaze_tan,
+                                         .acuity_slope = settings.acuity_slope,
+                                         .resolution_scale = sizes.resolution_scale});
+    LiveTexels texels(atlas_.levels, {eye_px_.x, eye_px_.y, coordinates}, settings.reach);
+    eyes_.push_back({std::move(coordinates), std::move(texels)});
+  }
+  for (int step = 0; step <= steps; ++step) {
+    const LevelWeights at_step = weights(step);
+    for (const EyePlan& eye : eyes_) {
+      const std::uint64_t live = eye.texels.count(at_step);
+      rays_[static_cast<std::size_t>(step)] += live;
+      eye_rays_max_ = std::max(eye_rays_max_, live);
+    }
+  }
+}
+
+LevelWeights MabPlan::weights(int step) const {
+  return level_weights(moved(settings_.anchors, static_cast<double>(step) / steps));
+}
+
+int MabPlan::step_for(double quality) const {
+  const double allowed = quality * static_cast<double>(rays(steps)) * (1.0 + 1e-12);
+  int best = 0;
+  for (int step = 0; step <= steps; ++step) {
+    const std::uint64_t there = rays(step), found = rays(best);
+    const bool fits = static_cast<double>(there) <= allowed;
+    const bool found_fits = static_cast<double>(found) <= allowed;
+    if (fits ? !found_fits || there >= found : !found_fits && there < found) best = step;
+  }
+  return best;
+}
+
+double MabPlan::quality_min() const {
+  return static_cast<double>(*std::min_element(rays_.begin(), rays_.end())) /
+         static_cast<double>(rays(steps));
+}
+
+MabRays MabPlan::make_rays(sim::Eye eye, int step) const {
+  const LiveTexels& texels = eyes_[index(eye)].texels;
+  return settings_.compact ? texels.compact(weights(step)) : texels.discard(weights(step), atlas_);
+}
+
+std::uint64_t MabPlan::capacity() const {
+  if (!settings_.compact) return area(atlas_.width, atlas_.height);
+  // A grid of groups, its last row filled up.
+  const std::uint64_t groups = (eye_rays_max_ + 63) / 64;
+  const auto across = static_cast<std::uint64_t>(std::ceil(std::sqrt(static_cast<double>(groups))));
+  return 64 * (across + 1) * (across + 1);
+}
+
+std::string MabPlan::summary() const {
+  std::uint64_t used = 0;
+  std::string sizes;
+  for (const AtlasRect& level : atlas_.levels) {
+    used += area(level.width, level.height);
+    sizes += fmt::format("{}{} x {}", sizes.empty() ? "" : ", ", level.width, level.height);
+  }
+  const std::uint64_t atlas = area(atlas_.width, atlas_.height);
+  return fmt::format(
+      "levels of {} in an atlas of {} x {} ({:.1f} % of it used); {} rays for the {} pixels of both eyes "
+      "({:.1f} %), down to {:.1f} % by load control",
+      sizes, atlas_.width, atlas_.height, 100.0 * static_cast<double>(used) / static_cast<double>(atlas),
+      rays(steps), 2 * area(eye_px_.x, eye_px_.y),
+      50.0 * static_cast<double>(rays(steps)) / static_cast<double>(area(eye_px_.x, eye_px_.y)),
+      50.0 * quality_min() * static_cast<double>(rays(steps)) /
+          static_cast<double>(area(eye_px_.x, eye_px_.y)));
+}
+
+}  // namespace brace

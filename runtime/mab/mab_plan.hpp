@@ -1,0 +1,76 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "hmd_sim/device_profile.hpp"
+#include "runtime/host/stage_registry.hpp"
+#include "runtime/mab/level_map.hpp"
+#include "runtime/mab/live_texels.hpp"
+
+namespace brace {
+
+/// What a session asks of rays/mab.
+struct MabSettings {
+  LevelMap map = LevelMap::radius;
+  int levels = 4;
+  std::array<double, mab_levels_max> scale{};  // rays per pixel and axis, falling
+  LevelAnchors anchors;
+  glm::dvec2 gaze_tan{0.0};
+  double acuity_slope = 0.0;
+  int reach = 1;  // texels that reconstruction reads to either side
+  bool compact = true;
+};
+
+/// Throws input_error that names the parameter: scales that do not fall, anchors that do not rise.
+MabSettings mab_settings(const PipelineStage& stage);
+
+/// The levels of rays/mab over both eyes of a headset, and how many rays each quality leaves.
+class MabPlan {
+ public:
+  static constexpr int steps = 256;  // of moved(): t = step / steps
+
+  struct Sizes {
+    glm::ivec2 eye_px, panel_px;  // as rendered
+    double resolution_scale = 1.0;
+  };
+
+  /// Throws input_error when the atlas is larger than 16383 texels across or down.
+  MabPlan(const MabSettings& settings, const sim::DeviceProfile& profile, const Sizes& sizes);
+
+  const MabSettings& settings() const { return settings_; }
+  const Atlas& atlas() const { return atlas_; }
+  const std::vector<float>& coordinates(sim::Eye eye) const { return eyes_[index(eye)].coordinates; }
+
+  /// The anchors of step `steps` are those of the settings.
+  LevelWeights weights(int step) const;
+  /// Rays of both eyes.
+  std::uint64_t rays(int step) const { return rays_[static_cast<std::size_t>(step)]; }
+  /// The most rays with at most `quality` of what the settings give; the fewest there are if none has.
+  int step_for(double quality) const;
+  double quality_min() const;
+  MabRays make_rays(sim::Eye eye, int step) const;
+  /// Rays of the largest grid of make_rays.
+  std::uint64_t capacity() const;
+
+  /// For the report: levels, atlas, rays against pixels.
+  std::string summary() const;
+
+ private:
+  struct EyePlan {
+    std::vector<float> coordinates;
+    LiveTexels texels;
+  };
+  static std::size_t index(sim::Eye eye) { return static_cast<std::size_t>(eye); }
+
+  MabSettings settings_;
+  glm::ivec2 eye_px_;
+  Atlas atlas_;
+  std::vector<EyePlan> eyes_;
+  std::array<std::uint64_t, steps + 1> rays_{};
+  std::uint64_t eye_rays_max_ = 0;
+};
+
+}  // namespace brace
