@@ -59,7 +59,7 @@ CostSample best_of(JobKind kind, int repetitions, const Job& job) {
 void measure(const gpu::Device& device, const CostBenchOptions& options, const Case& c,
              std::vector<CostSample>& samples) {
   const Session session = parse_session(session_text(c), "bench", ".", {}, options.stages);
-  const ReplayOptions replay{options.data_folder, "", "", {}, {}, {}};
+  const ReplayOptions replay{.data_folder = options.data_folder};
   const Headset headset = make_headset(session.device, options.data_folder);
   const Pose head{};
   const VolumePlacement placement = place_volume(session.scene, head);

@@ -10,6 +10,7 @@
 #include "bench/distort.hpp"
 #include "bench/host.hpp"
 #include "bench/integrators.hpp"
+#include "bench/mab.hpp"
 #include "bench/raycast.hpp"
 #include "bench/replay.hpp"
 #include "bench/skip.hpp"
@@ -97,6 +98,23 @@ std::string run_integrators(const BenchCommand& command) {
   return command.json ? to_json(result) : to_text(result);
 }
 
+std::string run_mab(const BenchCommand& command) {
+  MabBenchOptions options;
+  options.device = device_options(command);
+  options.data_folder = data_folder();
+  options.stages = make_stages({}).registry;
+  options.progress = [](std::string_view line) { fmt::print(stderr, "{}\n", line); };
+  if (command.quick) {
+    options.profiles.resize(1);
+    options.volumes.resize(1);
+    options.resolution_scale = 0.15;
+    options.repetitions = 3;
+  }
+  if (!command.volumes.empty()) options.volumes = command.volumes;
+  const MabBenchResult result = bench_mab(options);
+  return command.json ? to_json(result) : to_text(result);
+}
+
 struct Benchmark {
   std::string name;
   std::function<std::string(const BenchCommand&)> run;
@@ -104,8 +122,8 @@ struct Benchmark {
 
 const std::vector<Benchmark>& benchmarks() {
   static const std::vector<Benchmark> all = {
-      {"raycast", run_raycast}, {"replay", run_replay}, {"distort", run_distort},        {"skip", run_skip},
-      {"costs", run_costs},     {"host", run_host},     {"integrators", run_integrators}};
+      {"raycast", run_raycast}, {"replay", run_replay}, {"distort", run_distort},         {"skip", run_skip},
+      {"costs", run_costs},     {"host", run_host},     {"integrators", run_integrators}, {"mab", run_mab}};
   return all;
 }
 

@@ -150,7 +150,7 @@ void add_trace(CLI::App& app, TraceCommands& commands, Action& action) {
 void add_bench(CLI::App& app, BenchCommand& command, Action& action) {
   CLI::App* bench =
       app.add_subcommand("bench", "Measure this machine against published and installed rivals");
-  bench->add_option("name", command.name, "raycast, replay, distort, skip, costs, host or integrators")
+  bench->add_option("name", command.name, "raycast, replay, distort, skip, costs, host, integrators or mab")
       ->required();
   add_gpu_option(*bench, command.gpu);
   bench->add_flag("--quick", command.quick, "Fewer repetitions: a first look, not a figure to quote");
@@ -159,7 +159,9 @@ void add_bench(CLI::App& app, BenchCommand& command, Action& action) {
       ->take_all();
   bench->add_option("--part", command.parts, "skip: updates, frames or threshold; may be given again")
       ->take_all();
-  bench->add_option("--volume", command.volumes, "skip: a file or generator for frames beside the scenes")
+  bench
+      ->add_option("--volume", command.volumes,
+                   "skip: a file or generator for frames beside the scenes; mab: the volumes")
       ->take_all();
   bench->add_option("--partitions", command.partitions, "skip: numbers of partitions")
       ->take_all()

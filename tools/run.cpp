@@ -25,16 +25,16 @@ Overrides overrides_of(const RunCommand& command) {
   return overrides;
 }
 
-/// The session itself, or one per value of its [compare] section.
+/// The session itself, or one per case of its [compare] section.
 std::vector<LabelledSession> sessions_of(const RunCommand& command, const StageRegistry& stages) {
   const Overrides overrides = overrides_of(command);
   Session session = read_session(command.session, overrides, stages);
-  if (!session.compare) return {{"", std::move(session)}};
+  if (session.compare.empty()) return {{"", std::move(session)}};
   std::vector<LabelledSession> sessions;
-  for (const std::string& value : session.compare->values) {
-    Overrides with_value = overrides;
-    with_value.emplace_back(session.compare->key, value);
-    sessions.push_back({value, read_session(command.session, with_value, stages)});
+  for (const Session::Case& one : session.compare) {
+    Overrides settings = overrides;
+    settings.insert(settings.end(), one.settings.begin(), one.settings.end());
+    sessions.push_back({one.label, read_session(command.session, settings, stages)});
   }
   return sessions;
 }

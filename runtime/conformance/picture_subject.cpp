@@ -2,6 +2,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstring>
+#include <limits>
 
 #include "base/error.hpp"
 #include "runtime/conformance/bench_scene.hpp"
@@ -283,6 +284,13 @@ class GlslWarpSubject final : public Subject {
     source_ = gpu::Buffer(device, "source", pixels * 4, gpu::Memory::device);
     gpu::upload_values(device, source_, std::span<const std::uint32_t>(picture));
     texels_ = gpu::TexelBuffer(device, source_, gpu::Format::r32_uint);
+    // Near, far and nothing.
+    std::vector<float> depths_m(pixels);
+    for (std::size_t i = 0; i < pixels; ++i)
+      depths_m[i] = i % 3 == 0 ? std::numeric_limits<float>::infinity() : i % 3 == 1 ? 0.5f : 3.0f;
+    depth_ = gpu::Buffer(device, "depth", pixels * 4, gpu::Memory::device);
+    gpu::upload_values(device, depth_, std::span<const float>(depths_m));
+    depth_texels_ = gpu::TexelBuffer(device, depth_, gpu::Format::r32_float);
   }
   void activate() override {}
   void deactivate() override {}
@@ -296,7 +304,8 @@ class GlslWarpSubject final : public Subject {
       Pose now{quat_exp({0.3 * turn_rad, turn_rad, 0.0}), {0.1 * turn_rad, 0.0, 0.0}};
       panel_.set_poses(*options_.device, Pose{}, now);
       commands_.reset();
-      pipeline_.record(commands_, panel_, texels_);
+      const gpu::Binding depth = gpu::bind(DisplaySlot::source_depth, depth_texels_);
+      pipeline_.record(commands_, panel_, texels_, std::span(&depth, pipeline_.uses_depth() ? 1 : 0));
       commands_.barrier();
       (void)gpu::submit_and_wait(commands_);
       const ImageRgba8 image = panel_.read(*options_.device);
@@ -349,8 +358,8 @@ class GlslWarpSubject final : public Subject {
   PictureSizePx size_ = usual_size;
   DisplayPipeline pipeline_;
   PanelTarget panel_;
-  gpu::Buffer source_;
-  gpu::TexelBuffer texels_;
+  gpu::Buffer source_, depth_;
+  gpu::TexelBuffer texels_, depth_texels_;
 };
 
 }  // namespace

@@ -105,7 +105,7 @@ DisplayPipeline::DisplayPipeline(const gpu::Device& device, const gpu::KernelDes
                                  const gpu::CompileOptions& options)
     : pipeline_(gpu::make_pipeline(device, kernel, options)) {
   if (!pipeline_.uses(DisplaySlot::counters)) return;
-  counters_ = gpu::Buffer(device, "display counters", sizeof(std::uint32_t), gpu::Memory::readback);
+  counters_ = gpu::Buffer(device, "display counters", 2 * sizeof(std::uint32_t), gpu::Memory::readback);
   reset_counters(device);
 }
 
@@ -125,15 +125,15 @@ void DisplayPipeline::record(gpu::CommandList& commands, const PanelTarget& targ
   commands.dispatch(pipeline_, std::span(bindings).first(count), {}, {target.tile_count_, 1, 1});
 }
 
-std::uint64_t DisplayPipeline::uncovered_pixels(const gpu::Device& device) const {
-  std::uint32_t count = 0;
-  if (counters_) gpu::download_values<std::uint32_t>(device, counters_, std::span(&count, 1));
-  return count;
+DisplayPipeline::Counts DisplayPipeline::counted(const gpu::Device& device) const {
+  std::array<std::uint32_t, 2> counts{};
+  if (counters_) gpu::download_values<std::uint32_t>(device, counters_, counts);
+  return {counts[0], counts[1]};
 }
 
 void DisplayPipeline::reset_counters(const gpu::Device& device) const {
-  const std::uint32_t zero = 0;
-  if (counters_) gpu::upload_values<std::uint32_t>(device, counters_, std::span(&zero, 1));
+  const std::array<std::uint32_t, 2> zero{};
+  if (counters_) gpu::upload_values<std::uint32_t>(device, counters_, zero);
 }
 
 }  // namespace brace

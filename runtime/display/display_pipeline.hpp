@@ -16,7 +16,7 @@ namespace brace {
 /// Binding slots of the display kernel; brace/warp.glsl is the same list.
 struct DisplaySlot {
   static constexpr std::uint32_t params = 0, source_image = 1, panel_image = 2, panel_tiles = 3, counters = 4,
-                                 first_of_warp = 5;
+                                 source_depth = 5, first_of_warp = 6;
 };
 
 /// What a display kernel is put together from.
@@ -27,7 +27,7 @@ struct DisplayParts {
   gpu::IncludeResolver stages;
   std::vector<gpu::SpecConstant> constants;  // values of the parameters
   LensTraits lens;
-  bool counters = false;  // count pixels that the eye frame does not cover
+  bool counters = false;  // count pixels that the eye frame does not cover, and those that the warp fills
 };
 
 gpu::KernelDescription compose_display_kernel(const DisplayParts& parts);
@@ -83,9 +83,16 @@ class DisplayPipeline {
   void record(gpu::CommandList& commands, const PanelTarget& target, const gpu::TexelBuffer& source,
               std::span<const gpu::Binding> more = {}) const;
 
-  /// Pixels within the field of view whose green the eye frame did not cover (black) since the last reset;
-  /// zero without DisplayParts::counters. After the work is done.
-  std::uint64_t uncovered_pixels(const gpu::Device& device) const;
+  /// Whether the warp stage reads depth: then `more` must bind DisplaySlot::source_depth, R32_SFLOAT texels.
+  bool uses_depth() const { return pipeline_.uses(DisplaySlot::source_depth); }
+
+  /// Pixels within the field of view, by their green, since the last reset; zero without
+  /// DisplayParts::counters. After the work is done.
+  struct Counts {
+    std::uint64_t uncovered = 0;  // black: beyond the eye frame
+    std::uint64_t filled = 0;     // disoccluded: the warp stage shows something else
+  };
+  Counts counted(const gpu::Device& device) const;
   void reset_counters(const gpu::Device& device) const;
 
  private:

@@ -75,7 +75,7 @@ class LensDemand {
     double densest = 0.0;
     for (const RadialDensity& channel : density_)
       densest = std::max(densest, channel.at(radius));
-    return std::min(densest * panel_per_picture_, 1.0);
+    return densest * panel_per_picture_;
   }
 
  private:
@@ -89,32 +89,42 @@ glm::dvec2 tangents_of_pixel(const LevelMapInput& input, int x, int y) {
 }
 
 template <class Demand>
-std::vector<float> coordinates_of_demand(const LevelMapInput& input, const Demand& demand) {
-  std::vector<float> x;
-  x.reserve(static_cast<std::size_t>(input.width_px) * static_cast<std::size_t>(input.height_px));
+LevelCoordinates coordinates_of_demand(const LevelMapInput& input, const Demand& demand) {
+  std::vector<double> demands;
+  demands.reserve(static_cast<std::size_t>(input.width_px) * static_cast<std::size_t>(input.height_px));
   for (int row = 0; row < input.height_px; ++row)
     for (int column = 0; column < input.width_px; ++column)
-      x.push_back(
-          static_cast<float>(1.0 - std::clamp(demand(tangents_of_pixel(input, column, row)), 0.0, 1.0)));
-  return x;
+      demands.push_back(demand(tangents_of_pixel(input, column, row)));
+  LevelCoordinates result;
+  result.demand_min = input.demand_min;
+  result.demand_max = std::max(*std::max_element(demands.begin(), demands.end()), 2.0 * input.demand_min);
+  result.x.reserve(demands.size());
+  for (const double d : demands)
+    result.x.push_back(static_cast<float>(result.coordinate_of(d)));
+  return result;
 }
 
-std::vector<float> coordinates_of_radius(const LevelMapInput& input) {
+LevelCoordinates coordinates_of_radius(const LevelMapInput& input) {
   const glm::dvec2 size(input.width_px, input.height_px);
   const glm::dvec2 gaze = sim::tangents_to_target_uv(input.fov, input.gaze_tan) * size;
   const glm::dvec2 reach = glm::max(glm::abs(gaze), glm::abs(size - gaze));
   const double farthest = std::max(glm::length(reach), 1e-9);
-  std::vector<float> x;
-  x.reserve(static_cast<std::size_t>(input.width_px) * static_cast<std::size_t>(input.height_px));
+  LevelCoordinates result;
+  result.x.reserve(static_cast<std::size_t>(input.width_px) * static_cast<std::size_t>(input.height_px));
   for (int row = 0; row < input.height_px; ++row)
     for (int column = 0; column < input.width_px; ++column) {
       const double distance = glm::length(glm::dvec2(column + 0.5, row + 0.5) - gaze);
-      x.push_back(static_cast<float>(std::min(distance / farthest, 1.0)));
+      result.x.push_back(static_cast<float>(std::min(distance / farthest, 1.0)));
     }
-  return x;
+  return result;
 }
 
 }  // namespace
+
+double LevelCoordinates::coordinate_of(double demand) const {
+  if (!(demand > demand_min)) return 1.0;
+  return std::clamp(std::log(demand_max / demand) / std::log(demand_max / demand_min), 0.0, 1.0);
+}
 
 double lens_demand(const LevelMapInput& input, glm::dvec2 t) {
   return LensDemand(input).at(t);
@@ -129,10 +139,10 @@ double acuity_demand(const LevelMapInput& input, glm::dvec2 t) {
       std::max(input.fov.width() / input.width_px, input.fov.height() / input.height_px) *
       input.resolution_scale;
   const double pitch_rad = pitch_tan / std::sqrt(1.0 + glm::dot(t, t));
-  return std::min(pitch_rad / (foveal_resolution_rad + input.acuity_slope * eccentricity_rad), 1.0);
+  return pitch_rad / (foveal_resolution_rad + input.acuity_slope * eccentricity_rad);
 }
 
-std::vector<float> level_coordinates(LevelMap map, const LevelMapInput& input) {
+LevelCoordinates level_coordinates(LevelMap map, const LevelMapInput& input) {
   BRACE_CHECK(input.width_px > 0 && input.height_px > 0);
   if (map == LevelMap::radius) return coordinates_of_radius(input);
   const auto acuity = [&](glm::dvec2 t) { return acuity_demand(input, t); };

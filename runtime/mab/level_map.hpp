@@ -23,21 +23,31 @@ struct LevelMapInput {
   int panel_width_px = 0, panel_height_px = 0;  // of the panel behind the lens
   glm::dvec2 gaze_tan{0.0};                     // tangents of the gaze direction in the eye frame
   double acuity_slope = 0.0275;                 // see acuity_demand
-  double resolution_scale =
-      1.0;  // of a replay in small: what the headset's own pixels are times the picture's
+  double demand_min = 0.1;                      // coordinate 1; less than this is not told apart
+  /// Of a replay in small: the headset's own pixels are this times the picture's.
+  double resolution_scale = 1.0;
 };
 
-/// The coordinate x of every pixel, rows top to bottom, 0 (finest) <= x <= 1: for `radius` the distance from
-/// the gaze point over that of the farthest corner; else 1 - demand, demand the rays per pixel and axis that
-/// are of use.
-std::vector<float> level_coordinates(LevelMap map, const LevelMapInput& input);
+/// Where every pixel stands between fine and coarse.
+struct LevelCoordinates {
+  /// Rows top to bottom, 0 (finest) <= x <= 1: for `radius` the distance from the gaze point over that of the
+  /// farthest corner; else coordinate_of(demand), demand the rays per pixel and axis that are of use.
+  std::vector<float> x;
+  double demand_max = 1.0, demand_min = 0.1;  // of the picture; not for `radius`
+
+  /// ln(demand_max / demand) / ln(demand_max / demand_min), clamped: equal ratios are equally far apart.
+  double coordinate_of(double demand) const;
+};
+LevelCoordinates level_coordinates(LevelMap map, const LevelMapInput& input);
 
 /// Panel pixels per picture pixel along the denser axis of the lens' inverse Jacobian, largest of the three
-/// channels, where the picture shows the tangents `t`; 0 beyond the usable radius. At most 1.
+/// channels, where the picture shows the tangents `t`; 0 beyond the usable radius. Above 1 where the picture
+/// is coarser than the panel.
 double lens_demand(const LevelMapInput& input, glm::dvec2 t);
 
 /// Angular pitch of one of the headset's own picture pixels over the eye's minimum angle of resolution 1/48
-/// deg + acuity_slope * eccentricity (Guenter et al. 2012, section 3). At most 1.
+/// deg + acuity_slope * eccentricity (Guenter et al. 2012, section 3). Above 1 where the eye resolves more
+/// than there is.
 double acuity_demand(const LevelMapInput& input, glm::dvec2 t);
 
 }  // namespace brace

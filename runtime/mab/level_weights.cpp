@@ -21,9 +21,14 @@ double smooth_step(double begin, double width, double x) {
 
 LevelAnchors moved(const LevelAnchors& anchors, double t) {
   LevelAnchors result = anchors;
+  const double last = anchors.begin[static_cast<std::size_t>(anchors.levels - 1)];
   for (int i = 1; i < anchors.levels; ++i) {
     double& begin = result.begin[static_cast<std::size_t>(i)];
-    begin = (begin + anchors.blend) * std::pow(t, anchors.levels - i) - anchors.blend;
+    if (anchors.together) {
+      begin -= (1.0 - t) * (last + anchors.blend);
+    } else {
+      begin = (begin + anchors.blend) * std::pow(t, anchors.levels - i) - anchors.blend;
+    }
   }
   return result;
 }

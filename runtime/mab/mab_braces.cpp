@@ -38,9 +38,7 @@ MabBraces::MabBraces(const gpu::Device& device, MabPlan plan, std::uint64_t guar
     : device_(device),
       plan_(std::move(plan)),
       rays_(device, 64, static_cast<int>((plan_.capacity() + 63) / 64), guard_bytes),
-      params_(device, "mab parameters", sizeof(BraceMabParams), gpu::Memory::upload),
-      weights_(device, "mab weights", sizeof(float) * mab_levels_max * mab_weight_entries,
-               gpu::Memory::upload) {
+      params_(device, "mab parameters", sizeof(BraceMabParams), gpu::Memory::upload) {
   const BraceMabParams params = mab_params(plan_.atlas());
   gpu::upload_values(device, params_, std::span<const BraceMabParams>(&params, 1));
   const auto ray_cells = static_cast<std::uint64_t>(rays_.across) * static_cast<std::uint64_t>(rays_.down);
@@ -50,10 +48,12 @@ MabBraces::MabBraces(const gpu::Device& device, MabPlan plan, std::uint64_t guar
     eye.texel_of_ray = gpu::Buffer(device, "mab texels", ray_cells * 4, gpu::Memory::upload);
     eye.ray_of_texel = gpu::Buffer(device, "mab rays", texels_of(plan_.atlas()) * 4, gpu::Memory::upload);
     eye.coordinates = gpu::Buffer(device, "mab coordinates", coordinates.size() * 4, gpu::Memory::device);
+    eye.weights = gpu::Buffer(device, "mab weights", sizeof(float) * mab_levels_max * mab_weight_entries,
+                              gpu::Memory::upload);
     gpu::upload_values(device, eye.coordinates, std::span<const float>(coordinates));
     eye.bindings = {gpu::bind(params_slot, params_), gpu::bind(texel_of_ray_slot, eye.texel_of_ray),
                     gpu::bind(ray_of_texel_slot, eye.ray_of_texel),
-                    gpu::bind(coordinates_slot, eye.coordinates), gpu::bind(weights_slot, weights_)};
+                    gpu::bind(coordinates_slot, eye.coordinates), gpu::bind(weights_slot, eye.weights)};
   }
   show_step(MabPlan::steps);
 }
@@ -65,10 +65,10 @@ void MabBraces::set_quality(double quality) {
 
 void MabBraces::show_step(int step) {
   step_ = step;
-  const LevelWeights weights = plan_.weights(step);
-  gpu::upload_values(device_, weights_, std::span<const float>(weights.entries));
   for (const sim::Eye which : sim::all_eyes) {
     EyeBraces& eye = eyes_[static_cast<std::size_t>(which)];
+    const LevelWeights weights = plan_.weights(which, step);
+    gpu::upload_values(device_, eye.weights, std::span<const float>(weights.entries));
     const MabRays rays = plan_.make_rays(which, step);
     gpu::upload_values(device_, eye.texel_of_ray, std::span<const std::uint32_t>(rays.texel_of_ray));
     gpu::upload_values(device_, eye.ray_of_texel, std::span<const std::uint32_t>(rays.ray_of_texel));

@@ -29,7 +29,7 @@ class MabBraces {
 
  private:
   struct EyeBraces {
-    gpu::Buffer texel_of_ray, ray_of_texel, coordinates;
+    gpu::Buffer texel_of_ray, ray_of_texel, coordinates, weights;
     RayGrid grid;
     std::vector<gpu::Binding> bindings;
   };
@@ -38,7 +38,7 @@ class MabBraces {
   const gpu::Device& device_;
   MabPlan plan_;
   RayBuffers rays_;
-  gpu::Buffer params_, weights_;
+  gpu::Buffer params_;
   std::array<EyeBraces, 2> eyes_;
   int step_ = -1;
 };

@@ -24,21 +24,27 @@ void read_scales(const PipelineStage& stage, MabSettings& settings) {
   }
 }
 
-/// A level begins where its scale is enough for the demand; by radius, where the settings say.
+/// By radius, where the settings say; by demand, begin_where_enough.
 void read_anchors(const PipelineStage& stage, MabSettings& settings) {
   settings.anchors.levels = settings.levels;
   settings.anchors.blend = stage.value("blend");
   for (int i = 1; i < settings.levels; ++i) {
     const auto level = static_cast<std::size_t>(i);
-    if (settings.map != LevelMap::radius) {
-      settings.anchors.begin[level] = 1.0 - settings.scale[level];
-      continue;
-    }
     settings.anchors.begin[level] = stage.value(fmt::format("anchor_{}", i));
     if (i > 1 && !(settings.anchors.begin[level] >= settings.anchors.begin[level - 1])) {
       throw input_error("stage rays/mab: anchor_{} = {} is below anchor_{} = {}; accepted: rising anchors", i,
                         settings.anchors.begin[level], i - 1, settings.anchors.begin[level - 1]);
     }
+  }
+}
+
+/// A level begins where its scale is enough for the demand.
+void begin_where_enough(LevelAnchors& anchors, const MabSettings& settings,
+                        const LevelCoordinates& coordinates) {
+  anchors.together = true;
+  for (int i = 1; i < settings.levels; ++i) {
+    const auto level = static_cast<std::size_t>(i);
+    anchors.begin[level] = coordinates.coordinate_of(settings.scale[level]);
   }
 }
 
@@ -79,31 +85,33 @@ MabPlan::MabPlan(const MabSettings& settings, const sim::DeviceProfile& profile,
   }
   for (const sim::Eye eye : sim::all_eyes) {
     const sim::EyeProfile& optics = profile.eye(eye);
-    std::vector<float> coordinates =
-        level_coordinates(settings.map, {.lens = optics.lens,
-                                         .fov = optics.fov,
-                                         .width_px = eye_px_.x,
-                                         .height_px = eye_px_.y,
-                                         .panel_width_px = sizes.panel_px.x,
-                                         .panel_height_px = sizes.panel_px.y,
-                                         .gaze_tan = settings.gaze_tan,
-                                         .acuity_slope = settings.acuity_slope,
-                                         .resolution_scale = sizes.resolution_scale});
-    LiveTexels texels(atlas_.levels, {eye_px_.x, eye_px_.y, coordinates}, settings.reach);
-    eyes_.push_back({std::move(coordinates), std::move(texels)});
+    LevelCoordinates coordinates = level_coordinates(
+        settings.map, {.lens = optics.lens,
+                       .fov = optics.fov,
+                       .width_px = eye_px_.x,
+                       .height_px = eye_px_.y,
+                       .panel_width_px = sizes.panel_px.x,
+                       .panel_height_px = sizes.panel_px.y,
+                       .gaze_tan = settings.gaze_tan,
+                       .acuity_slope = settings.acuity_slope,
+                       .demand_min = 0.5 * settings.scale[static_cast<std::size_t>(settings.levels - 1)],
+                       .resolution_scale = sizes.resolution_scale});
+    LiveTexels texels(atlas_.levels, {eye_px_.x, eye_px_.y, coordinates.x}, settings.reach);
+    LevelAnchors anchors = settings.anchors;
+    if (settings.map != LevelMap::radius) begin_where_enough(anchors, settings, coordinates);
+    eyes_.push_back({std::move(coordinates.x), std::move(texels), anchors});
   }
   for (int step = 0; step <= steps; ++step) {
-    const LevelWeights at_step = weights(step);
-    for (const EyePlan& eye : eyes_) {
-      const std::uint64_t live = eye.texels.count(at_step);
+    for (const sim::Eye which : sim::all_eyes) {
+      const std::uint64_t live = eyes_[index(which)].texels.count(weights(which, step));
       rays_[static_cast<std::size_t>(step)] += live;
       eye_rays_max_ = std::max(eye_rays_max_, live);
     }
   }
 }
 
-LevelWeights MabPlan::weights(int step) const {
-  return level_weights(moved(settings_.anchors, static_cast<double>(step) / steps));
+LevelWeights MabPlan::weights(sim::Eye eye, int step) const {
+  return level_weights(moved(eyes_[index(eye)].anchors, static_cast<double>(step) / steps));
 }
 
 int MabPlan::step_for(double quality) const {
@@ -125,7 +133,7 @@ double MabPlan::quality_min() const {
 
 MabRays MabPlan::make_rays(sim::Eye eye, int step) const {
   const LiveTexels& texels = eyes_[index(eye)].texels;
-  return settings_.compact ? texels.compact(weights(step)) : texels.discard(weights(step), atlas_);
+  return settings_.compact ? texels.compact(weights(eye, step)) : texels.discard(weights(eye, step), atlas_);
 }
 
 std::uint64_t MabPlan::capacity() const {

@@ -17,7 +17,7 @@ struct MabSettings {
   LevelMap map = LevelMap::radius;
   int levels = 4;
   std::array<double, mab_levels_max> scale{};  // rays per pixel and axis, falling
-  LevelAnchors anchors;
+  LevelAnchors anchors;                        // their `begin` for map = radius alone
   glm::dvec2 gaze_tan{0.0};
   double acuity_slope = 0.0;
   int reach = 1;  // texels that reconstruction reads to either side
@@ -45,7 +45,7 @@ class MabPlan {
   const std::vector<float>& coordinates(sim::Eye eye) const { return eyes_[index(eye)].coordinates; }
 
   /// The anchors of step `steps` are those of the settings.
-  LevelWeights weights(int step) const;
+  LevelWeights weights(sim::Eye eye, int step) const;
   /// Rays of both eyes.
   std::uint64_t rays(int step) const { return rays_[static_cast<std::size_t>(step)]; }
   /// The most rays with at most `quality` of what the settings give; the fewest there are if none has.
@@ -62,6 +62,7 @@ class MabPlan {
   struct EyePlan {
     std::vector<float> coordinates;
     LiveTexels texels;
+    LevelAnchors anchors;
   };
   static std::size_t index(sim::Eye eye) { return static_cast<std::size_t>(eye); }
 

@@ -1,5 +1,7 @@
 #include "runtime/replay/panel_display.hpp"
 
+#include <algorithm>
+
 #include "runtime/host/stage_glsl.hpp"
 
 namespace brace {
@@ -29,6 +31,8 @@ gpu::KernelDescription display_kernel(const PipelineStage& warp, const LensTrait
   parts.stages = std::move(glsl.resolve);
   parts.constants = std::move(glsl.constants);
   parts.lens = lens;
+  parts.counters =
+      std::find(warp.stage.inputs.begin(), warp.stage.inputs.end(), "depth") != warp.stage.inputs.end();
   return compose_display_kernel(parts);
 }
 
@@ -55,6 +59,7 @@ PanelDisplay::PanelDisplay(const gpu::Device& device, const Headset& headset, co
 }
 
 JobOutcome PanelDisplay::show(const PanelImage& image) {
+  ++images_;
   commands_.reset();
   commands_.begin_timing("display");
   for (const sim::Eye eye : sim::all_eyes) {
@@ -68,8 +73,10 @@ JobOutcome PanelDisplay::show(const PanelImage& image) {
           {eye, image.render_world_from_head, image.warp_world_from_head, image.frame, image.vsync_index},
           image.eyes[i]);
     }
+    const gpu::Binding depth = gpu::bind(DisplaySlot::source_depth, image.eyes[i].depth_texels);
     pipeline_.record(commands_, panels_[i],
-                     native_warp_ ? native_warp_->picture(eye) : image.eyes[i].image_texels);
+                     native_warp_ ? native_warp_->picture(eye) : image.eyes[i].image_texels,
+                     std::span(&depth, pipeline_.uses_depth() ? 1 : 0));
   }
   commands_.end_timing();
   commands_.barrier();

@@ -40,6 +40,12 @@ class PanelDisplay {
   /// The panels' pictures after the last show().
   PanelPair read() const;
 
+  /// Pixels of all images so far that show something else than the eye frame, or nothing: of warps that read
+  /// depth alone, zero for others.
+  DisplayPipeline::Counts counted() const { return pipeline_.counted(device_); }
+  bool uses_depth() const { return pipeline_.uses_depth(); }
+  std::int64_t images() const { return images_; }
+
   /// Work of one show(), known beforehand.
   WorkCounts work() const;
 
@@ -52,6 +58,7 @@ class PanelDisplay {
   DisplayPipeline pipeline_;
   std::optional<NativeWarp> native_warp_;
   std::array<PanelTarget, 2> panels_;
+  std::int64_t images_ = 0;
   gpu::CommandList commands_;
 };
 

@@ -41,6 +41,7 @@ class PixelWork final : public FrameWork {
 
   const std::vector<EyePicture>& pictures() const { return pictures_; }
   const EyeRenderer& renderer() const { return renderer_; }
+  const PanelDisplay& display() const { return display_; }
 
  private:
   /// An ideal render: full quality, the true pose and transfer function of photon time, no warp.

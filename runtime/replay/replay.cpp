@@ -1,5 +1,6 @@
 #include "runtime/replay/replay.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <optional>
 #include <thread>
@@ -84,6 +85,20 @@ ReportTable fault_table(const std::vector<Series>& all) {
   return table;
 }
 
+/// What the second series and those after it know that the first does not.
+void add_facts_of_others(const std::vector<Series>& all, std::vector<Fact>& facts) {
+  const auto known = [&](const Fact& fact) {
+    return std::any_of(facts.begin(), facts.end(), [&](const Fact& other) {
+      return other.name == fact.name && other.value == fact.value;
+    });
+  };
+  std::vector<Fact> more;
+  for (std::size_t i = 1; i < all.size(); ++i)
+    for (const Fact& fact : all[i].facts)
+      if (!known(fact)) more.push_back({all[i].label + ": " + fact.name, fact.value});
+  facts.insert(facts.end(), more.begin(), more.end());
+}
+
 ReportInput report_input(const std::vector<LabelledSession>& sessions, const std::vector<Series>& all,
                          const Headset& headset, const HeadTrace& head_trace, const ReplayOptions& options) {
   const Session& session = sessions.front().session;
@@ -113,6 +128,7 @@ ReportInput report_input(const std::vector<LabelledSession>& sessions, const std
     input.series.push_back(std::move(run));
   }
   input.facts = run_facts(session, head_trace, headset, all.front());
+  add_facts_of_others(all, input.facts);
   add_prediction_table(session, head_trace, headset, input);
   if (session.run.watchdog != WatchdogLevel::off) {
     input.watchdog = to_string(session.run.watchdog);

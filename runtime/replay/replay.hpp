@@ -11,12 +11,12 @@
 namespace brace {
 
 struct ReplayOptions {
-  std::filesystem::path data_folder;  // share/brace
-  std::string gpu;                    // the value of --gpu
-  std::string version;                // of Brace
-  PipelineStage no_warp;              // warp/none: what ideal pictures are shown with
-  PipelineStage full_rate;            // rays/full_rate: what they are rendered with
-  std::function<bool()> interrupted;  // asked often; once true, the replay ends with Interrupted
+  std::filesystem::path data_folder;    // share/brace
+  std::string gpu{};                    // the value of --gpu
+  std::string version{};                // of Brace
+  PipelineStage no_warp{};              // warp/none: what ideal pictures are shown with
+  PipelineStage full_rate{};            // rays/full_rate: what they are rendered with
+  std::function<bool()> interrupted{};  // asked often; once true, the replay ends with Interrupted
 };
 
 /// The user asked the replay to end.

@@ -113,6 +113,18 @@ std::vector<WatchdogReport> find_faults(Watchdog& watchdog, const Session& sessi
   return watchdog.reports();
 }
 
+/// What the warp had to make up; nothing for warps that do not know depth.
+void add_fill_facts(const Session& session, const PanelDisplay& display, Series& series) {
+  if (!display.uses_depth() || display.images() == 0) return;
+  const DisplayPipeline::Counts counts = display.counted();
+  const double pixels = static_cast<double>(display.work().texels) * static_cast<double>(display.images());
+  series.facts.push_back(
+      {session.pipeline.at("warp").stage.id(),
+       fmt::format("{:.3f} % of the panels' pixels filled behind edges, {:.3f} % beyond the eye frame",
+                   100.0 * static_cast<double>(counts.filled) / pixels,
+                   100.0 * static_cast<double>(counts.uncovered) / pixels)});
+}
+
 }  // namespace
 
 Series replay_series(const LabelledSession& labelled, const ReplayOptions& options, const Headset& headset,
@@ -165,6 +177,7 @@ Series replay_series(const LabelledSession& labelled, const ReplayOptions& optio
     series.pictures = work.pixels->pictures();
     if (const std::string note = work.pixels->renderer().stereo_note(); !note.empty())
       series.facts.push_back({"stereo/layers, frames", note});
+    add_fill_facts(session, work.pixels->display(), series);
   }
   return series;
 }

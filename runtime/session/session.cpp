@@ -285,28 +285,73 @@ std::map<std::string, PipelineStage> read_pipeline(const SessionTable& table, co
   return pipeline;
 }
 
-std::optional<Session::Compare> read_compare(const SessionTable& table) {
-  const auto key = table.optional_text("compare.key");
-  const toml::node* values = table.node("compare.values");
-  if (!key && values == nullptr) return std::nullopt;
-  if (!key || values == nullptr)
-    throw input_error("{}: [compare] wants both 'key' and 'values'", table.file());
-  Session::Compare compare{*key, {}};
-  for (const auto& value : *values->as_array()) {
-    std::ostringstream text;
-    value.visit([&](const auto& concrete) { text << concrete; });
-    const auto plain = value.value<std::string>();
-    compare.values.push_back(plain ? *plain : text.str());
+/// A value of TOML as --set takes it.
+std::string setting_text(const toml::node& value) {
+  if (const auto plain = value.value<std::string>(); plain && value.is_string()) return *plain;
+  std::ostringstream text;
+  value.visit([&](const auto& concrete) { text << concrete; });
+  return text.str();
+}
+
+std::vector<Session::Case> cases_of_values(const SessionTable& table, const std::string& key,
+                                           const toml::array& values) {
+  std::vector<Session::Case> cases;
+  for (const auto& value : values) {
+    const std::string text = setting_text(value);
+    if (text.empty()) table.fail("compare.values", "holds an empty value");
+    cases.push_back({text, {{key, text}}});
   }
-  if (compare.values.size() < 2) table.fail("compare.values", "wants at least two values");
-  for (auto value = compare.values.begin(); value != compare.values.end(); ++value) {
-    if (value->empty()) table.fail("compare.values", "holds an empty value");
-    if (std::find(compare.values.begin(), value, *value) != value) {
-      table.fail("compare.values", fmt::format("names '{}' twice", *value));
+  return cases;
+}
+
+/// [[compare.case]]: a label and a table of keys to set.
+Session::Case read_case(const SessionTable& table, const toml::table& entry) {
+  Session::Case result;
+  for (const auto& [name, node] : entry) {
+    if (name.str() == "label" && node.is_string()) {
+      result.label = setting_text(node);
+    } else if (name.str() == "set" && node.is_table()) {
+      for (const auto& [key, value] : *node.as_table())
+        result.settings.emplace_back(key.str(), setting_text(value));
+    } else {
+      throw input_error(
+          "{}: compare.case: '{}' is none of its keys, or of another type; accepted: label (text), set "
+          "(table of KEY = VALUE)",
+          place_of(node, table.file()), name.str());
     }
   }
-  if (key->rfind("compare.", 0) == 0) table.fail("compare.key", "cannot be a key of [compare] itself");
-  return compare;
+  if (result.label.empty()) table.fail("compare.case", "wants a label in every entry");
+  return result;
+}
+
+std::vector<Session::Case> read_compare(const SessionTable& table) {
+  const auto key = table.optional_text("compare.key");
+  const toml::node* values = table.node("compare.values");
+  const toml::node* entries = table.node("compare.case");
+  if (!key && values == nullptr && entries == nullptr) return {};
+  if (entries != nullptr && (key || values != nullptr))
+    throw input_error("{}: [compare] wants either 'key' and 'values', or 'case'", table.file());
+  if (entries == nullptr && (!key || values == nullptr))
+    throw input_error("{}: [compare] wants both 'key' and 'values'", table.file());
+
+  const char* place = entries != nullptr ? "compare.case" : "compare.values";
+  std::vector<Session::Case> cases;
+  if (entries == nullptr) {
+    cases = cases_of_values(table, *key, *values->as_array());
+  } else {
+    for (const auto& entry : *entries->as_array())
+      cases.push_back(read_case(table, *entry.as_table()));
+  }
+  if (cases.size() < 2) table.fail(place, "wants at least two values");
+  for (auto one = cases.begin(); one != cases.end(); ++one) {
+    const auto same = [&](const Session::Case& other) { return other.label == one->label; };
+    if (std::any_of(cases.begin(), one, same)) table.fail(place, fmt::format("names '{}' twice", one->label));
+    for (const auto& [set_key, ignored] : one->settings) {
+      if (set_key.rfind("compare.", 0) == 0)
+        table.fail(entries != nullptr ? place : "compare.key", "cannot be a key of [compare] itself");
+    }
+  }
+  return cases;
 }
 
 /// What pipeline.skip = "auto" chooses from.

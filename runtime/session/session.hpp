@@ -106,12 +106,13 @@ struct Session {
     std::optional<double> deadline_ms;  // of a job; default: a display period
   } run;
 
-  /// Sessions that show several pipelines in one report: key and values, one run each.
-  struct Compare {
-    std::string key;
-    std::vector<std::string> values;
+  /// Sessions that show several pipelines in one report, one run each: from compare.key and its values, or
+  /// from [[compare.case]].
+  struct Case {
+    std::string label;
+    std::vector<std::pair<std::string, std::string>> settings;  // as --set
   };
-  std::optional<Compare> compare;
+  std::vector<Case> compare;  // none, or two and more
 
   std::string resolved_toml;  // every key with the value used, as a session file
 };

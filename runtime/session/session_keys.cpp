@@ -70,6 +70,8 @@ const std::vector<SessionKey>& session_keys() {
        "watchdog: the longest a job may take on the simulated GPU; default: a display period"},
       {"compare.key", "text", "", "", "a key to vary: one run per value, all in one report"},
       {"compare.values", "list", "", "", "the values of compare.key"},
+      {"compare.case", "tables", "", "label, set",
+       "instead: runs by label, each with a table of the keys that it sets"},
   };
   return keys;
 }

@@ -150,7 +150,7 @@ std::vector<PlannedPoint> plan_sweep(const SweepFile& sweep, const StageRegistry
     } catch (const Error& e) {
       throw Error(e.exit_code(), point.place + ": " + e.what());
     }
-    if (session.compare) {
+    if (!session.compare.empty()) {
       throw input_error("{}: has a [compare] section; accepted in a sweep: a session without one",
                         sweep.session.string());
     }

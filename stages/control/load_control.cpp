@@ -65,15 +65,16 @@ double QuantileControl::update(const FrameLoad& load) {
 double WindowControl::update(const FrameLoad& load) {
   const std::size_t window = std::clamp<std::size_t>(settings_.window_frames, 2, window_max);
   const double now = log_cost(load.cost);
-  // The oldest of the window is where the next one goes; before it is full, the first.
-  const double before = frames_ == 0 ? now : log_costs_[frames_ < window ? 0 : frames_ % window];
+  // The oldest of the window is where the next one goes. Before it is full, the load is taken to have come
+  // from the upper threshold: a start under overload is a change, too.
+  const double before = frames_ < window ? log_cost(settings_.load_max) : log_costs_[frames_ % window];
   log_costs_[frames_ % window] = now;
   ++frames_;
   const double change = now - before;
   if (load.missed || load.cost > settings_.load_max) {
     u_ -= settings_.step + settings_.gradient_gain * std::max(change, 0.0);
   } else if (load.cost < settings_.load_min) {
-    u_ += settings_.step + settings_.gradient_gain * std::max(-change, 0.0);
+    u_ += settings_.step;  // a fall of the cost may be what was cut: no reason to hurry back
   }
   u_ = limited(u_, settings_.quality_min);
   return std::exp(u_);

@@ -59,10 +59,10 @@ class QuantileControl {
   double u_ = 0;
 };
 
-/// Waschk and Krueger 2021, section 4, on u = ln(quality): outside two thresholds of the last frame's cost, u
-/// moves by `step` and by what ln(cost) has changed over a window of frames in the same direction; between
-/// them it rests. Where the paper lets the gradient decide which anchor moves, rays/mab has one order for all
-/// qualities: small cuts come from fine levels, large ones from coarse ones.
+/// Waschk and Krueger 2021, section 4, on u = ln(quality): above an upper threshold of the last frame's cost
+/// u falls by `step` and by a part of what ln(cost) has grown over a window of frames, below a lower one it
+/// rises by `step`; between them it rests. Where the paper lets the gradient decide which anchor moves,
+/// rays/mab has one order for all qualities: small cuts come from fine levels, large ones from coarse ones.
 class WindowControl {
  public:
   static constexpr std::size_t window_max = 64;
@@ -70,7 +70,7 @@ class WindowControl {
     std::size_t window_frames = 8;           // 2 ... window_max
     double load_min = 0.75, load_max = 0.9;  // of the budget: below the one more rays, above the other fewer
     double step = 0.02;
-    double gradient_gain = 0.5;
+    double gradient_gain = 0.8;
     double quality_min = 0.05;
   };
   explicit WindowControl(const Settings& settings) : settings_(settings) {}

@@ -21,8 +21,8 @@ layout(set = 0, binding = BRACE_SLOT_SOURCE_IMAGE) uniform usamplerBuffer brace_
 layout(set = 0, binding = BRACE_SLOT_PANEL_TILES) uniform usamplerBuffer brace_panel_tiles;
 layout(std430, set = 0, binding = BRACE_SLOT_PANEL_IMAGE) writeonly buffer BracePanelImage { uvec4 brace_panel_image[]; };
 #ifdef BRACE_COUNTERS
-layout(std430, set = 0, binding = BRACE_SLOT_DISPLAY_COUNTERS) buffer BraceDisplayCounters { uint brace_uncovered; };
-uint uncovered = 0u;
+layout(std430, set = 0, binding = BRACE_SLOT_DISPLAY_COUNTERS) buffer BraceDisplayCounters { uint brace_uncovered, brace_filled; };
+uint uncovered = 0u, filled = 0u;
 #endif
 
 float lens_scale(uint channel, float r2) {
@@ -38,6 +38,15 @@ float lens_scale(uint channel, float r2) {
   return 1.0;
 #endif
 }
+
+#ifdef BRACE_WARP_PER_PIXEL
+void warp_pixel(vec2 pixel) {
+  const vec2 point = pixel * brace_display.pitch.xy + brace_display.centre[1].xy;
+  const float r2 = min(dot(point, point), brace_display.centre[1].z);
+  brace_warp_filled = false;
+  brace_warp_pixel(point * (lens_scale(1u, r2) * brace_display.pitch.zw));
+}
+#endif
 
 // A position in the source picture and whether anything is seen there.
 struct Source {
@@ -64,6 +73,7 @@ Source find_source(uint channel, vec2 point, float r2) {
 #ifdef BRACE_COUNTERS
   if (channel == 1u && !covered && r2 <= usable2 && within(tan_xy, brace_display.fov.xy, brace_display.fov.zw))
     ++uncovered;
+  if (channel == 1u && source.seen && brace_warp_filled) ++filled;
 #endif
   return source;
 }
@@ -89,6 +99,9 @@ uint blend(uvec4 texels, vec2 weight, uint channel, bool seen) {
 
 uint panel_pixel(vec2 pixel) {
   uint packed = 0xff000000u;
+#ifdef BRACE_WARP_PER_PIXEL
+  warp_pixel(pixel);
+#endif
 #ifdef BRACE_ONE_FETCH
   const vec2 point = pixel * brace_display.pitch.xy + brace_display.centre[1].xy;
   const Source source = find_source(1u, point, dot(point, point));
@@ -121,16 +134,20 @@ void main() {
   uvec4 four;
   [[unroll]] for (uint i = 0u; i < 4u; ++i) {
 #ifdef BRACE_COUNTERS
-    const uint before = uncovered;
+    const uint uncovered_before = uncovered, filled_before = filled;
 #endif
     four[i] = panel_pixel(vec2(pixel + uvec2(i, 0u)));
 #ifdef BRACE_COUNTERS
     // Not those of the padding.
-    if (pixel.x + i >= brace_display.grid.z || pixel.y >= brace_display.grid.w) uncovered = before;
+    if (pixel.x + i >= brace_display.grid.z || pixel.y >= brace_display.grid.w) {
+      uncovered = uncovered_before;
+      filled = filled_before;
+    }
 #endif
   }
   brace_panel_image[pixel.y * brace_display.grid.y + (pixel.x >> 2)] = four;
 #ifdef BRACE_COUNTERS
   if (uncovered > 0u) atomicAdd(brace_uncovered, uncovered);
+  if (filled > 0u) atomicAdd(brace_filled, filled);
 #endif
 }

@@ -131,13 +131,36 @@ TEST(LoadControl, PiMissesMoreThanQuantileOnAStep) {
   EXPECT_GT(a.over_share, b.over_share);
 }
 
+TEST(LoadControl, WindowFollowsChangesOfTheLoadAndRestsBetweenItsThresholds) {
+  WindowControl control({});
+  const auto update = [&](const FrameLoad& load) { return control.update(load); };
+  EXPECT_EQ(drive(
+                update, [](int) { return 0.5; }, 200, 1)
+                .quality,
+            1.0);
+  // Once the load has grown tenfold, it is soon within the budget, and then finds the thresholds.
+  const Loop grown = drive(
+      update, [](int frame) { return frame < 100 ? 0.5 : 5.0; }, 120, 1);
+  EXPECT_LT(grown.quality * 5.0, 1.0);
+  EXPECT_LT(grown.longest_run, 10);
+  const Loop rested = drive(
+      update, [](int) { return 5.0; }, 600, 1);
+  EXPECT_NEAR(rested.quality * 5.0, 0.82, 0.15);
+  // A start under overload is a change as well.
+  WindowControl fresh({});
+  EXPECT_LT(drive([&](const FrameLoad& load) { return fresh.update(load); }, [](int) { return 5.0; }, 20, 1)
+                .quality,
+            0.22);
+}
+
 TEST(LoadControl, ExtremeCostsStayNumbers) {
   PiControl pi({});
   QuantileControl quantile({});
+  WindowControl window({});
   for (const double cost : {0.0, 1e-300, 1e-12, 1.0, 1e12, 1e300, std::numeric_limits<double>::infinity()}) {
     for (int k = 0; k < 5; ++k) {
       const FrameLoad load{cost, cost > 1.0};
-      for (const double quality : {pi.update(load), quantile.update(load)}) {
+      for (const double quality : {pi.update(load), quantile.update(load), window.update(load)}) {
         EXPECT_GE(quality, 0.05 * (1 - 1e-12)) << cost;
         EXPECT_LE(quality, 1.0) << cost;
       }

@@ -6,6 +6,10 @@
 
 #include <glm/geometric.hpp>
 
+#include "base/error.hpp"
+#include "runtime/host/stage_glsl.hpp"
+#include "runtime/host/stage_registry.hpp"
+
 namespace brace {
 
 Picture noise_picture(int width_px, int height_px, const sim::FovTangents& fov) {
@@ -112,28 +116,40 @@ gpu::KernelDescription DisplayRun::kernel(const LensTraits& lens) const {
   parts.kernels_folder = root / "runtime/display/kernels";
   parts.lens = lens;
   parts.counters = counters;
-  parts.constants = {gpu::spec_constant(320, far_plane_m)};
-  const std::filesystem::path snippet = root / "stages/warp" / warp / (warp + ".glsl");
-  parts.stages = [snippet](std::string_view name) -> std::optional<gpu::GlslSource> {
-    if (name == "stage/warp.glsl") return gpu::read_glsl(snippet);
-    if (name == "stage/parameters.glsl")
-      return gpu::GlslSource{"parameters", "layout(constant_id = 320) const float warp_far_plane_m = 1.0;\n"};
-    return std::nullopt;
-  };
+  PipelineStage stage{read_stage_manifest(root / "stages/warp" / warp / "stage.toml"), {}};
+  for (const StageParameter& parameter : stage.stage.parameters) {
+    const auto given = parameters.find(parameter.name);
+    stage.values.push_back(given == parameters.end() ? parameter.default_value : given->second);
+  }
+  const PipelineStage* const stages[] = {&stage};
+  StageGlsl glsl = stage_glsl(stages);
+  parts.stages = std::move(glsl.resolve);
+  parts.constants = std::move(glsl.constants);
   return compose_display_kernel(parts);
 }
 
-DisplayRun::Result DisplayRun::show(const PanelEye& eye, const Picture& picture) const {
+DisplayRun::Result DisplayRun::show(const PanelEye& eye, const Picture& picture,
+                                    std::span<const float> depths_m) const {
   const DisplayPipeline pipeline(device, kernel(traits.value_or(lens_traits(eye.lens))));
   PanelTarget target(device, eye, picture.shape, skip_hidden);
   target.set_poses(device, world_from_old_eye, world_from_new_eye);
   const gpu::Buffer source(device, "source", picture.pixels.size() * 4, gpu::Memory::device);
   gpu::upload_values<std::uint32_t>(device, source, picture.pixels);
   const gpu::TexelBuffer texels(device, source, gpu::Format::r32_uint);
+  gpu::Buffer depth;
+  gpu::TexelBuffer depth_texels;
+  std::vector<gpu::Binding> more;
+  if (pipeline.uses_depth()) {
+    BRACE_CHECK(depths_m.size() == picture.pixels.size());
+    depth = gpu::Buffer(device, "depth", depths_m.size_bytes(), gpu::Memory::device);
+    gpu::upload_values<float>(device, depth, depths_m);
+    depth_texels = gpu::TexelBuffer(device, depth, gpu::Format::r32_float);
+    more.push_back(gpu::bind(DisplaySlot::source_depth, depth_texels));
+  }
   gpu::CommandList commands(device, "display");
-  pipeline.record(commands, target, texels);
+  pipeline.record(commands, target, texels, more);
   gpu::submit_and_wait(commands);
-  return {target.read(device), target.pixels_written(), pipeline.uncovered_pixels(device)};
+  return {target.read(device), target.pixels_written(), pipeline.counted(device)};
 }
 
 void expect_like_reference(const ImageRgba8& image, const PanelEye& eye, const Picture& picture,

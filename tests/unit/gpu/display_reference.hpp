@@ -3,7 +3,9 @@
 #include <array>
 #include <cstdint>
 #include <functional>
+#include <map>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -60,8 +62,8 @@ class PanelReference {
 /// Everything to run the display kernel on a device of the tests.
 struct DisplayRun {
   const gpu::Device& device;
-  std::string warp = "none";  // a folder of stages/warp
-  float far_plane_m = 100.0f;
+  std::string warp = "none";                      // a folder of stages/warp
+  std::map<std::string, double> parameters = {};  // of the stage, other than their defaults
   bool counters = false;
   bool skip_hidden = true;
   std::optional<LensTraits> traits = {};  // instead of the lens' own
@@ -69,9 +71,11 @@ struct DisplayRun {
 
   struct Result {
     ImageRgba8 image;
-    std::uint64_t pixels_written = 0, uncovered = 0;
+    std::uint64_t pixels_written = 0;
+    DisplayPipeline::Counts counts;
   };
-  Result show(const PanelEye& eye, const Picture& picture) const;
+  /// Depths in metres, as many as the picture has pixels, for warps that read them.
+  Result show(const PanelEye& eye, const Picture& picture, std::span<const float> depths_m = {}) const;
   gpu::KernelDescription kernel(const LensTraits& lens) const;
 };
 

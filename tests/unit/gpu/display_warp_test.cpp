@@ -45,7 +45,7 @@ TEST_F(Warp, QuadMatchesTheDoubleReference) {
   for (const auto& [old_eye, new_eye] : poses)
     for (const double far_plane_m : {2.0, 100.0}) {
       DisplayRun run = quad(old_eye, new_eye);
-      run.far_plane_m = static_cast<float>(far_plane_m);
+      run.parameters["far_plane_m"] = far_plane_m;
       expect_like_reference(run.show(eye, picture).image, eye, picture,
                             quad_warp(old_eye, new_eye, far_plane_m),
                             "far plane " + std::to_string(far_plane_m));
@@ -106,11 +106,11 @@ TEST_F(Warp, UncoveredPixelsAreBlackAndCounted) {
       }
     }
   EXPECT_GT(certain, 1000);
-  EXPECT_GE(static_cast<std::int64_t>(shown.uncovered), certain);
-  EXPECT_LE(static_cast<std::int64_t>(shown.uncovered), possible);
+  EXPECT_GE(static_cast<std::int64_t>(shown.counts.uncovered), certain);
+  EXPECT_LE(static_cast<std::int64_t>(shown.counts.uncovered), possible);
 
   run.world_from_new_eye = old_eye;
-  EXPECT_EQ(run.show(eye, picture).uncovered, 0u);
+  EXPECT_EQ(run.show(eye, picture).counts.uncovered, 0u);
 }
 
 TEST_F(Warp, UncoveredCountsPanelPixelsAndNotThePadding) {
@@ -118,7 +118,7 @@ TEST_F(Warp, UncoveredCountsPanelPixelsAndNotThePadding) {
   const Picture aside = noise_picture(20, 20, {20, 21, 20, 21});
   DisplayRun run{device()};
   run.counters = true;
-  EXPECT_EQ(run.show(eye, aside).uncovered, 45u * 19u);
+  EXPECT_EQ(run.show(eye, aside).counts.uncovered, 45u * 19u);
 }
 
 TEST_F(Warp, ExtremePosesNeverReadOutsideThePicture) {

@@ -25,7 +25,7 @@ TEST(LevelMap, RadiusIsTheDistanceFromTheGazePointOverThatOfTheFarthestCorner) {
   LevelMapInput input = input_for(lens);
   for (const glm::dvec2 gaze : {glm::dvec2(0.0), glm::dvec2(-1.2, 1.3), glm::dvec2(5.0, 0.0)}) {
     input.gaze_tan = gaze;
-    const std::vector<float> x = level_coordinates(LevelMap::radius, input);
+    const std::vector<float> x = level_coordinates(LevelMap::radius, input).x;
     const glm::dvec2 centre = sim::tangents_to_target_uv(fov, gaze) * glm::dvec2(60, 50);
     double reach = 0.0;
     for (const glm::dvec2 corner :
@@ -39,7 +39,9 @@ TEST(LevelMap, RadiusIsTheDistanceFromTheGazePointOverThatOfTheFarthestCorner) {
 
 TEST(LevelMap, WithoutALensEveryPixelIsOfUse) {
   const sim::EyeLens lens = sim::identity_lens(fov);
-  for (const float x : level_coordinates(LevelMap::lens, input_for(lens)))
+  const LevelCoordinates map = level_coordinates(LevelMap::lens, input_for(lens));
+  EXPECT_NEAR(map.demand_max, 1.0, 1e-9);
+  for (const float x : map.x)
     ASSERT_NEAR(x, 0.0, 1e-6);
 }
 
@@ -54,19 +56,19 @@ TEST(LevelMap, LensDemandIsTheLargestStretchOfTheInverseMapping) {
   lens.panel_size_units = {1.6, 1.6};
   lens.tan_per_unit = {1.4, 1.4};
   LevelMapInput input = input_for(lens);
-  input.panel_width_px = 30;  // coarser than the picture, so that nothing is cut off at 1
-  input.panel_height_px = 30;
+  input.width_px = 55;  // 25 pixels per tangent both ways
+  input.height_px = 60;
+  input.panel_width_px = input.panel_height_px = 60;
   const double usable = sim::usable_radius(lens, sim::Channel::green);
   const auto panel_px = [&](glm::dvec2 t) {
-    return *sim::tangents_to_panel(lens, sim::Channel::green, usable, t) * 30.0;
+    return *sim::tangents_to_panel(lens, sim::Channel::green, usable, t) * 60.0;
   };
   for (const glm::dvec2 t : {glm::dvec2(0.1, 0.05), glm::dvec2(0.5, -0.3), glm::dvec2(-0.7, 0.6)}) {
     double largest = 0.0;
     for (int degrees = 0; degrees < 180; ++degrees) {
       const double angle = degrees * 0.017453292519943295;
       const glm::dvec2 step = 1e-4 * glm::dvec2(std::cos(angle), std::sin(angle));
-      // Tangents per picture pixel differ by axis; the demand takes the denser one.
-      const double pixels = glm::length(step) * std::min(60 / fov.width(), 50 / fov.height());
+      const double pixels = glm::length(step) * 25.0;
       largest = std::max(largest, glm::distance(panel_px(t + step), panel_px(t - step)) / (2.0 * pixels));
     }
     EXPECT_NEAR(lens_demand(input, t), largest, 0.01 * largest);
@@ -78,13 +80,12 @@ TEST(LevelMap, AcuityFallsWithTheAngleFromTheGazePoint) {
   const sim::EyeLens lens = sim::identity_lens(fov);
   LevelMapInput input = input_for(lens);
   input.resolution_scale = 0.05;
-  EXPECT_EQ(acuity_demand(input, {0.0, 0.0}), 1.0);
   // 45 degrees off: pitch 1 / sqrt 2, resolution 1/48 + 0.0275 * 45 degrees.
   const double pitch = 0.05 * std::max(fov.width() / 60, fov.height() / 50) / std::sqrt(2.0);
   const double resolved = (1.0 / 48 + 0.0275 * 45) * 0.017453292519943295;
   EXPECT_NEAR(acuity_demand(input, {1.0, 0.0}), pitch / resolved, 1e-9);
   input.gaze_tan = {1.0, 0.0};
-  EXPECT_EQ(acuity_demand(input, {1.0, 0.0}), 1.0);
+  EXPECT_NEAR(acuity_demand(input, {1.0, 0.0}), pitch / (0.017453292519943295 / 48), 1e-9);
 }
 
 TEST(LevelMap, TheProductIsTheProduct) {
@@ -94,11 +95,23 @@ TEST(LevelMap, TheProductIsTheProduct) {
     channel.k = {0.2, 0.1, 0, 0, 0};
   LevelMapInput input = input_for(lens);
   input.resolution_scale = 0.1;
-  const std::vector<float> by_lens = level_coordinates(LevelMap::lens, input);
-  const std::vector<float> by_eye = level_coordinates(LevelMap::eccentricity, input);
-  const std::vector<float> both = level_coordinates(LevelMap::lens_eccentricity, input);
-  for (std::size_t i = 0; i < both.size(); ++i)
-    ASSERT_NEAR(1.0 - both[i], (1.0 - by_lens[i]) * (1.0 - by_eye[i]), 1e-6);
+  const LevelCoordinates both = level_coordinates(LevelMap::lens_eccentricity, input);
+  for (int row = 0; row < 50; ++row)
+    for (int column = 0; column < 60; ++column) {
+      const glm::dvec2 t = sim::target_uv_to_tangents(fov, {(column + 0.5) / 60, (row + 0.5) / 50});
+      ASSERT_NEAR(at(both.x, column, row),
+                  both.coordinate_of(lens_demand(input, t) * acuity_demand(input, t)), 1e-6);
+    }
+}
+
+TEST(LevelMap, CoordinatesTellRatiosApartAndStayBetween0And1) {
+  const LevelCoordinates map{{}, 4.0, 0.25};
+  EXPECT_EQ(map.coordinate_of(4.0), 0.0);
+  EXPECT_NEAR(map.coordinate_of(1.0), 0.5, 1e-12);
+  EXPECT_EQ(map.coordinate_of(0.25), 1.0);
+  for (const double nothing : {0.0, -1.0, std::nan("")})
+    EXPECT_EQ(map.coordinate_of(nothing), 1.0);
+  EXPECT_EQ(map.coordinate_of(1e300), 0.0);
 }
 
 }  // namespace

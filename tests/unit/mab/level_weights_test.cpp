@@ -18,6 +18,7 @@ LevelAnchors random_anchors(std::mt19937& random, int levels) {
   LevelAnchors anchors;
   anchors.levels = levels;
   anchors.blend = 0.001 + unit() * unit();
+  anchors.together = unit() < 0.5;
   for (int i = 1; i < levels; ++i)
     anchors.begin[static_cast<std::size_t>(i)] = unit();
   std::sort(anchors.begin.begin() + 1, anchors.begin.begin() + levels);

@@ -166,7 +166,7 @@ TEST(SessionKeys, DefaultsFillASmallestSession) {
   EXPECT_EQ(session.pipeline.at("warp").stage.id(), "warp/quad");
   EXPECT_EQ(session.output.images.kind, Session::Output::Selection::Kind::ends);
   EXPECT_FALSE(session.run.frames.has_value());
-  EXPECT_FALSE(session.compare.has_value());
+  EXPECT_TRUE(session.compare.empty());
 }
 
 }  // namespace

@@ -13,6 +13,7 @@ using test::parse;
 using test::smallest;
 using testing::ElementsAre;
 using testing::HasSubstr;
+using testing::UnorderedElementsAre;
 
 Session with(const std::string& key, const std::string& value) {
   return parse(smallest, {{key, value}});
@@ -159,9 +160,27 @@ transfer_function = "tf/bone.toml"
 
 TEST(SessionCompare, ValuesBecomeOverrides) {
   const Session session = parse(smallest + "[compare]\nkey = 'run.seed'\nvalues = [1, 2.5, 'x', true]\n");
-  ASSERT_TRUE(session.compare.has_value());
-  EXPECT_EQ(session.compare->key, "run.seed");
-  EXPECT_THAT(session.compare->values, ElementsAre("1", "2.5", "x", "true"));
+  ASSERT_EQ(session.compare.size(), 4U);
+  const char* const labels[] = {"1", "2.5", "x", "true"};
+  for (std::size_t i = 0; i < 4; ++i) {
+    EXPECT_EQ(session.compare[i].label, labels[i]);
+    EXPECT_THAT(session.compare[i].settings, ElementsAre(std::pair("run.seed", labels[i])));
+  }
+}
+
+TEST(SessionCompare, CasesSetSeveralKeys) {
+  const Session session = parse(smallest + R"([[compare.case]]
+label = "near"
+set = { "run.seed" = 2, "scene.position" = "front:0.3", "stage.dvr.step_voxels" = 1.0 }
+[[compare.case]]
+label = "as it is"
+)");
+  ASSERT_EQ(session.compare.size(), 2U);
+  EXPECT_EQ(session.compare[0].label, "near");
+  EXPECT_THAT(session.compare[0].settings,
+              UnorderedElementsAre(std::pair("run.seed", "2"), std::pair("scene.position", "front:0.3"),
+                                   std::pair("stage.dvr.step_voxels", "1.0")));
+  EXPECT_TRUE(session.compare[1].settings.empty());
 }
 
 TEST(SessionCompare, BrokenComparisonsAreRefused) {
@@ -174,6 +193,12 @@ TEST(SessionCompare, BrokenComparisonsAreRefused) {
   EXPECT_THAT(compare("key = 'run.seed'\nvalues = ['', 2]\n"), HasSubstr("empty"));
   EXPECT_THAT(compare("key = 'run.seed'\nvalues = 3\n"), HasSubstr("compare.values"));
   EXPECT_THAT(compare("key = 'compare.key'\nvalues = ['a', 'b']\n"), HasSubstr("[compare] itself"));
+  EXPECT_THAT(compare("key = 'run.seed'\ncase = [{ label = 'a' }, { label = 'b' }]\n"), HasSubstr("either"));
+  EXPECT_THAT(compare("case = [{ label = 'a' }]\n"), HasSubstr("at least two"));
+  EXPECT_THAT(compare("case = [{ label = 'a' }, { label = 'a' }]\n"), HasSubstr("twice"));
+  EXPECT_THAT(compare("case = [{ label = 'a' }, { set = { } }]\n"), HasSubstr("wants a label"));
+  EXPECT_THAT(compare("case = [{ label = 'a' }, { label = 'b', stages = 3 }]\n"),
+              HasSubstr("'stages' is none of its keys"));
 }
 
 }  // namespace

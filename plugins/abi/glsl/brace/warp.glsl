@@ -2,7 +2,11 @@
 //   vec2 brace_warp_source(vec2 tan_xy)
 // From the direction (tan_xy, -1) in the new eye frame to tangents in the eye frame that the source picture was
 // rendered with; BRACE_NO_SOURCE where that picture shows nothing. It is called per pixel and channel. A stage
-// that changes nothing says so with #define BRACE_WARP_IDENTITY, and its cost is left out.
+// that changes nothing says so with #define BRACE_WARP_IDENTITY, and its cost is left out. A stage with work to do
+// once per pixel defines BRACE_WARP_PER_PIXEL and gives
+//   void brace_warp_pixel(vec2 tan_xy)
+// which is called before, with green's direction; what it finds goes into globals of its own. Where it shows
+// something else than the picture has there, it sets brace_warp_filled, and the pixel is counted.
 #ifndef BRACE_WARP_GLSL
 #define BRACE_WARP_GLSL
 
@@ -13,9 +17,12 @@
 #define BRACE_SLOT_PANEL_IMAGE 2   // storage: the same, four pixels at a time
 #define BRACE_SLOT_PANEL_TILES 3   // texel buffer: visible tiles, column in the low and row in the high 16 bits
 #define BRACE_SLOT_DISPLAY_COUNTERS 4
-// 5 … 15 belong to the warp stage.
+#define BRACE_SLOT_SOURCE_DEPTH 5  // texel buffer: a float per pixel, metres from the old eye, or BRACE_NO_HIT
+// 6 … 15 belong to the warp stage.
 
 layout(std140, set = 0, binding = BRACE_SLOT_DISPLAY) uniform BraceDisplayBlock { BraceDisplayParams brace_display; };
+
+bool brace_warp_filled = false;
 
 // Finite, and far outside every picture.
 #define BRACE_NO_SOURCE vec2(1e9)

@@ -1,0 +1,228 @@
+#include "bench/mab.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdlib>
+#include <memory>
+
+#include <fmt/core.h>
+
+#include "bench/median.hpp"
+#include "runtime/metrics/image_error.hpp"
+#include "runtime/replay/eye_renderer.hpp"
+#include "runtime/replay/panel_display.hpp"
+#include "runtime/replay/replay.hpp"
+
+namespace brace {
+
+namespace {
+
+constexpr std::array maps = {"radius", "lens", "eccentricity", "lens_eccentricity"};
+constexpr std::array qualities = {1.0, 0.9, 0.8, 0.7, 0.6, 0.5, 0.35, 0.25, 0.18, 0.12};
+
+/// As many levels below a ray per pixel for every map.
+const char* const levels_text =
+    "scale_0 = 1.0\nscale_1 = 0.7\nscale_2 = 0.5\nscale_3 = 0.3\n"
+    "anchor_1 = 0.5\nanchor_2 = 0.75\nanchor_3 = 1.0\n";
+
+struct Scene {
+  std::string profile, volume;
+  double resolution_scale;
+};
+
+Session session_of(const MabBenchOptions& options, const Scene& scene, const std::string& rays,
+                   const std::string& map, const std::string& scheme) {
+  const std::string text = fmt::format(
+      "device.profile = '{}'\ndevice.resolution_scale = {}\ntrace.neck = {{ motion = 'still' }}\n"
+      "pipeline.rays = '{}'\npipeline.skip = 'distance_map'\n"
+      "[scene]\nvolume = '{}'\ntransfer_function = 'ct-soft-tissue'\nsize_m = 1.0\nposition = 'front:0.6'\n"
+      "[stage.mab]\nmap = '{}'\nscheme = '{}'\n{}",
+      scene.profile, scene.resolution_scale, rays, scene.volume, map, scheme, levels_text);
+  return parse_session(text, "bench", ".", {}, options.stages);
+}
+
+/// A renderer for one session, with what it needs.
+struct Rig {
+  Rig(const gpu::Device& device, const MabBenchOptions& options, Session session_taken)
+      : session(std::move(session_taken)),
+        headset(make_headset(session.device, options.data_folder)),
+        placement(place_volume(session.scene, Pose{})),
+        scene(load_scene(device, session, {.data_folder = options.data_folder}, headset, placement)),
+        renderer(device, session, headset, *scene, placement, options.data_folder, EyeRenderer::Counting::on),
+        eyes(make_eye_pair(device, headset.eye)) {}
+
+  JobOutcome render(double quality = 1.0) { return renderer.render(Pose{}, eyes, quality); }
+  double pixels() const { return 2.0 * headset.eye.width_px * headset.eye.height_px; }
+
+  Session session;
+  Headset headset;
+  VolumePlacement placement;
+  std::unique_ptr<SceneOnDevice> scene;
+  EyeRenderer renderer;
+  EyePair eyes;
+};
+
+/// The panel's pixels by the square of the share of rays that the eye resolves there.
+std::vector<double> acuity_weights(const Headset& headset, sim::Eye which) {
+  const sim::EyeProfile& eye = headset.profile.eye(which);
+  const double usable = sim::usable_radius(eye.lens, sim::Channel::green);
+  const LevelMapInput input{.lens = eye.lens,
+                            .fov = eye.fov,
+                            .width_px = headset.profile.panel_width_px,
+                            .height_px = headset.profile.panel_height_px,
+                            .panel_width_px = headset.profile.panel_width_px,
+                            .panel_height_px = headset.profile.panel_height_px};
+  std::vector<double> weights;
+  for (int y = 0; y < headset.panel.height_px; ++y)
+    for (int x = 0; x < headset.panel.width_px; ++x) {
+      const glm::dvec2 uv((x + 0.5) / headset.panel.width_px, (y + 0.5) / headset.panel.height_px);
+      const auto t = sim::panel_to_tangents(eye.lens, sim::Channel::green, usable, uv);
+      weights.push_back(t ? std::pow(std::min(acuity_demand(input, *t), 1.0), 2.0) : 0.0);
+    }
+  return weights;
+}
+
+double weighted_rmse(const ImageRgba8& a, const ImageRgba8& b, const std::vector<double>& weights) {
+  double sum = 0.0, weight = 0.0;
+  for (int y = 0; y < a.height_px; ++y)
+    for (int x = 0; x < a.width_px; ++x) {
+      const double w = weights[static_cast<std::size_t>(y * a.width_px + x)];
+      const auto &p = a.at(x, y), &q = b.at(x, y);
+      const double squares = std::pow(p.r - q.r, 2) + std::pow(p.g - q.g, 2) + std::pow(p.b - q.b, 2);
+      sum += w * squares / (3.0 * 255.0 * 255.0);
+      weight += w;
+    }
+  return std::sqrt(sum / weight);
+}
+
+MabErrorRow compare(const PanelPair& shown, const PanelPair& ideal, const Headset& headset) {
+  MabErrorRow row;
+  for (const sim::Eye eye : sim::all_eyes) {
+    const auto i = static_cast<std::size_t>(eye);
+    const std::vector<std::uint8_t> visible = visible_pixels(headset, eye);
+    row.dssim += 0.5 * dssim_from_ssim(ssim(shown[i], ideal[i], visible));
+    row.weighted_rmse += 0.5 * weighted_rmse(shown[i], ideal[i], acuity_weights(headset, eye));
+  }
+  return row;
+}
+
+void measure_errors(const gpu::Device& device, const MabBenchOptions& options, const Scene& scene,
+                    std::vector<MabErrorRow>& rows) {
+  Rig full(device, options, session_of(options, scene, "full_rate", "radius", "compact"));
+  const PipelineStage no_warp{options.stages.find("warp", "none", "bench"), {}};
+  PanelDisplay display(device, full.headset, no_warp, options.data_folder);
+  const auto shown = [&](const EyePair& eyes) {
+    display.show({eyes, Pose{}, Pose{}});
+    return display.read();
+  };
+  full.render();
+  const PanelPair ideal = shown(full.eyes);
+  for (const char* map : maps) {
+    options.progress(fmt::format("mab: {} {} {}", scene.profile, scene.volume, map));
+    Rig mab(device, options, session_of(options, scene, "mab", map, "compact"));
+    const std::optional<MabPlan> plan = plan_mab(mab.session, mab.headset);
+    for (const double quality : qualities) {
+      mab.render(quality);
+      MabErrorRow row = compare(shown(mab.eyes), ideal, full.headset);
+      row.profile = scene.profile;
+      row.volume = scene.volume;
+      row.map = map;
+      row.ray_share = static_cast<double>(plan->rays(plan->step_for(quality))) / mab.pixels();
+      if (rows.empty() || rows.back().map != map || rows.back().ray_share != row.ray_share)
+        rows.push_back(std::move(row));
+    }
+  }
+}
+
+/// DSSIM of one curve at a share of the rays; NaN beyond its ends. The curve falls in its share.
+double dssim_at(const std::vector<const MabErrorRow*>& curve, double share) {
+  for (std::size_t i = 1; i < curve.size(); ++i) {
+    const MabErrorRow &more = *curve[i - 1], &fewer = *curve[i];
+    if (share > more.ray_share || share < fewer.ray_share) continue;
+    const double t = (share - fewer.ray_share) / std::max(more.ray_share - fewer.ray_share, 1e-12);
+    return fewer.dssim + t * (more.dssim - fewer.dssim);
+  }
+  return std::nan("");
+}
+
+MabMapRow compare_maps(const std::vector<MabErrorRow>& errors, const Scene& scene) {
+  std::vector<const MabErrorRow*> lens, radius;
+  for (const MabErrorRow& row : errors) {
+    if (row.profile != scene.profile || row.volume != scene.volume) continue;
+    if (row.map == "lens") lens.push_back(&row);
+    if (row.map == "radius") radius.push_back(&row);
+  }
+  MabMapRow result{scene.profile, scene.volume, 0, 0};
+  int count = 0;
+  for (double share = 0.15; share <= 0.9; share += 0.05) {
+    const double by_lens = dssim_at(lens, share), by_radius = dssim_at(radius, share);
+    if (!std::isfinite(by_lens) || !(by_radius > 0.0)) continue;
+    result.ratio_mean += by_lens / by_radius;
+    result.ratio_worst = std::max(result.ratio_worst, by_lens / by_radius);
+    ++count;
+  }
+  result.ratio_mean = count > 0 ? result.ratio_mean / count : std::nan("");
+  return result;
+}
+
+void measure_times(const gpu::Device& device, const MabBenchOptions& options, const Scene& scene,
+                   std::vector<MabTimeRow>& rows) {
+  Rig full(device, options, session_of(options, scene, "full_rate", "radius", "compact"));
+  for (const char* map : {"radius", "lens_eccentricity"})
+    for (const char* scheme : {"compact", "discard"}) {
+      options.progress(fmt::format("mab: times, {} {}", map, scheme));
+      Rig mab(device, options, session_of(options, scene, "mab", map, scheme));
+      std::vector<double> full_ns, mab_ns;
+      double full_rays = 0, mab_rays = 0;
+      for (int i = -2; i < options.repetitions; ++i) {  // two to warm up
+        const JobOutcome by_pixel = full.render(), by_atlas = mab.render();
+        full_rays = static_cast<double>(by_pixel.work.rays);
+        mab_rays = static_cast<double>(by_atlas.work.rays);
+        if (i < 0) continue;
+        full_ns.push_back(static_cast<double>(by_pixel.device_time.count()));
+        mab_ns.push_back(static_cast<double>(by_atlas.device_time.count()));
+      }
+      rows.push_back({map, scheme, mab_rays / full_rays, median(mab_ns) / median(full_ns)});
+    }
+}
+
+MabAtlasRow pack(const MabBenchOptions& options, const std::string& profile) {
+  const sim::DeviceProfile device = sim::find_device_profile(options.data_folder / "devices", profile);
+  std::vector<AtlasRect> levels;
+  MabAtlasRow row{profile, 0, 0, 0};
+  for (const double scale : {0.9, 0.7, 0.5, 0.3}) {
+    levels.push_back({0, 0, static_cast<int>(std::lround(device.panel_width_px * scale)),
+                      static_cast<int>(std::lround(device.panel_height_px * scale))});
+    row.used += std::int64_t{levels.back().width} * levels.back().height;
+  }
+  const Atlas packed = pack_atlas(levels), fixed = fixed_atlas(levels);
+  row.packed = std::int64_t{packed.width} * packed.height;
+  row.fixed = std::int64_t{fixed.width} * fixed.height;
+  return row;
+}
+
+}  // namespace
+
+MabBenchResult bench_mab(const MabBenchOptions& options) {
+  MabBenchResult result;
+  getloadavg(&result.host_load, 1);
+  const gpu::Device device(options.device);
+  result.device = device.info().name;
+  result.repetitions = options.repetitions;
+  for (const std::string& profile : options.profiles)
+    result.atlases.push_back(pack(options, profile));
+  for (const std::string& profile : options.profiles)
+    for (const std::string& volume : options.volumes) {
+      const Scene scene{profile, volume, options.resolution_scale};
+      measure_errors(device, options, scene, result.errors);
+      result.maps.push_back(compare_maps(result.errors, scene));
+    }
+  measure_times(device, options,
+                {options.profiles.front(), options.volumes.front(), 2 * options.resolution_scale},
+                result.times);
+  result.controls = mab_control_rows(options.stages);
+  return result;
+}
+
+}  // namespace brace

@@ -1,0 +1,80 @@
+// The eye frame as a surface through its first hits, seen from the new pose (after Buchacher 2017, 5.3.2, who draws
+// it as a mesh). Here each pixel looks its own point up: along its ray, from near to far, the old picture's depths are
+// asked until the ray is behind them. In the old picture that ray is a straight line; it is walked in steps of w, one
+// over the distance in units of the direction, from near_m to infinity (w = 0), where the search always ends.
+#define BRACE_WARP_PER_PIXEL
+
+layout(set = 0, binding = BRACE_SLOT_SOURCE_DEPTH) uniform samplerBuffer brace_source_depth_m;
+
+// Nearer to the old eye's plane than this share of the direction's length there is no picture.
+#define GRID_BESIDE 1e-3
+
+vec2 grid_parallax;  // tangents, from where the pixel's direction lies at infinity to where its point is
+
+// 1 / depth of the old picture's nearest pixel; 0 where it hit nothing, or has no number.
+float grid_inverse_depth(vec2 tan_xy) {
+  const vec2 position = tan_xy * brace_display.source.xy + brace_display.source.zw + 0.5;
+  const ivec2 texel = ivec2(clamp(position, vec2(0.0), brace_display.source_max.zw));
+  const float depth_m = texelFetch(brace_source_depth_m, texel.y * int(brace_display.grid.x) + texel.x).x;
+  return depth_m > 0.0 ? 1.0 / depth_m : 0.0;
+}
+
+// A point of the ray, and how far in front of the old picture's surface it is (in 1 / m).
+struct GridPoint {
+  vec2 tan_xy;
+  float inverse_depth, in_front;
+};
+
+GridPoint grid_point(vec3 direction, vec3 origin_m, float w) {
+  const vec3 p = direction + w * origin_m;
+  GridPoint point;
+  point.tan_xy = p.xy / max(-p.z, GRID_BESIDE);
+  point.inverse_depth = grid_inverse_depth(point.tan_xy);
+  point.in_front = w * inversesqrt(max(dot(p, p), 1e-12)) - point.inverse_depth;
+  return point;
+}
+
+vec2 grid_crossing(GridPoint before, GridPoint behind) {
+#if defined(BRACE_WARP_EDGES_CUT)
+  const float larger = max(before.inverse_depth, behind.inverse_depth);
+  if (abs(before.inverse_depth - behind.inverse_depth) > warp_jump * larger) {
+    // The ray has come behind an edge, where the old eye saw nothing: what lies farther away goes on there.
+    brace_warp_filled = behind.inverse_depth > before.inverse_depth;
+    return brace_warp_filled ? before.tan_xy : behind.tan_xy;
+  }
+#endif
+  const float t = before.in_front / max(before.in_front - behind.in_front, 1e-20);
+  return mix(before.tan_xy, behind.tan_xy, clamp(t, 0.0, 1.0));
+}
+
+void brace_warp_pixel(vec2 tan_xy) {
+  grid_parallax = vec2(0.0);
+  const vec3 origin_m = brace_display.old_from_new[3].xyz;
+  const vec3 direction = brace_old_from_new(vec3(tan_xy, -1.0)) - origin_m;
+  if (-direction.z <= GRID_BESIDE) return;
+  // As near as near_m, but in front of the old eye.
+  float w_max = 1.0 / warp_near_m;
+  if (-(direction.z + w_max * origin_m.z) <= GRID_BESIDE) w_max = (-direction.z - GRID_BESIDE) / origin_m.z;
+  const vec2 at_infinity = direction.xy / -direction.z;
+  GridPoint before = grid_point(direction, origin_m, w_max);
+  const vec2 path_px = abs((before.tan_xy - at_infinity) * brace_display.source.xy);
+  const float count = clamp(ceil(max(path_px.x, path_px.y)), 1.0, float(warp_steps));
+  vec2 found = before.tan_xy;
+  if (before.in_front > 0.0) {
+    found = at_infinity;
+    for (float i = 1.0; i <= count; i += 1.0) {
+      const GridPoint next = grid_point(direction, origin_m, w_max * (1.0 - i / count));
+      if (next.in_front <= 0.0) {
+        found = grid_crossing(before, next);
+        break;
+      }
+      before = next;
+    }
+  }
+  grid_parallax = found - at_infinity;
+}
+
+vec2 brace_warp_source(vec2 tan_xy) {
+  const vec3 direction = brace_old_from_new(vec3(tan_xy, -1.0)) - brace_display.old_from_new[3].xyz;
+  return -direction.z > GRID_BESIDE ? direction.xy / -direction.z + grid_parallax : BRACE_NO_SOURCE;
+}
