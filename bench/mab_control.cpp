@@ -2,19 +2,15 @@
 #include <cmath>
 
 #include "bench/mab.hpp"
+#include "bench/pacing_rig.hpp"
 #include "hmd_sim/random.hpp"
-#include "hmd_sim/trace_generators.hpp"
 #include "runtime/frame/counted_work.hpp"
-#include "runtime/frame/frame_loop.hpp"
-#include "runtime/frame/pacing_sink.hpp"
-#include "runtime/replay/stage_instance.hpp"
 
 namespace brace {
 
 namespace {
 
 constexpr std::int64_t vsyncs = 3000;
-constexpr sim::Rate refresh{90, 1};
 constexpr double full_rays = 1e6;
 constexpr double ns_per_ray = 4.5;  // a ray per pixel takes about half of what a period leaves
 
@@ -40,40 +36,15 @@ class StepCost final : public CostSource {
   double rays_ = 0;
 };
 
-PipelineStage with_defaults(const StageInfo& info) {
-  PipelineStage stage{info, {}};
-  for (const StageParameter& parameter : info.parameters)
-    stage.values.push_back(parameter.default_value);
-  return stage;
-}
-
 MabControlRow drive(const StageRegistry& stages, const std::string& name) {
-  const NativeStage control = live_stage(with_defaults(stages.find("control", name, "bench")));
-  const NativeStage predict = live_stage(with_defaults(stages.find("predict", "constant_rate", "bench")));
-  const sim::PoseTrace trace = sim::generate_trace({.motion = sim::Motion::natural, .seconds = 10});
-  HeadMotion head(trace, sim::Interpolation::slerp_linear, {.rate = {1000, 1}, .latency = SimDuration(0)}, 1,
-                  true, trace.begin_time());
   // Any share of the rays down to 2 %.
   CountedWork work({{.time = sim_time(0),
                      .cast = {.rays = static_cast<std::uint64_t>(full_rays)},
                      .cast_below = {{.rays = static_cast<std::uint64_t>(0.02 * full_rays)}}}},
                    SimDuration(0), {0.02});
-  FrameLoopConfig config;
-  config.display = {.refresh = refresh,
-                    .scan_out = {.direction = sim::ScanDirection::global, .fraction = 0.9},
-                    .emission = {},
-                    .scan_lines = 1200};
-  config.vsyncs_max = vsyncs;
   StepCost cost;
-  PacingSink sink;
-  run_frame_loop(config, {.head = head,
-                          .predict = {&predict.predict_functions(), predict.self(), "predict/constant_rate"},
-                          .control = {&control.control_functions(), control.self(), control.place(), nullptr},
-                          .cost = cost,
-                          .work = work,
-                          .sink = sink});
-  const PacingFigures figures = sink.figures();
-  return {name, 100.0 * figures.missed_ratio, figures.longest_stale_run, cost.ray_share_mean()};
+  const PacingRun run = run_pacing(stages, global_90_hz(vsyncs), cost, work, name);
+  return {name, 100.0 * run.figures.missed_ratio, run.figures.longest_stale_run, cost.ray_share_mean()};
 }
 
 }  // namespace

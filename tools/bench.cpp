@@ -13,7 +13,9 @@
 #include "bench/mab.hpp"
 #include "bench/raycast.hpp"
 #include "bench/replay.hpp"
+#include "bench/schedule.hpp"
 #include "bench/skip.hpp"
+#include "bench/warp.hpp"
 #include "tools/command.hpp"
 
 namespace brace {
@@ -115,15 +117,37 @@ std::string run_mab(const BenchCommand& command) {
   return command.json ? to_json(result) : to_text(result);
 }
 
+std::string run_schedule(const BenchCommand& command) {
+  const ScheduleBenchResult result = bench_schedule({make_stages({}).registry});
+  return command.json ? to_json(result) : to_text(result);
+}
+
+std::string run_warp(const BenchCommand& command) {
+  WarpBenchOptions options;
+  options.device = device_options(command);
+  options.data_folder = data_folder();
+  options.stages = make_stages({}).registry;
+  if (command.quick) options.resolution_scale = 0.2;
+  const WarpBenchResult result = bench_warp(options);
+  return command.json ? to_json(result) : to_text(result);
+}
+
 struct Benchmark {
   std::string name;
   std::function<std::string(const BenchCommand&)> run;
 };
 
 const std::vector<Benchmark>& benchmarks() {
-  static const std::vector<Benchmark> all = {
-      {"raycast", run_raycast}, {"replay", run_replay}, {"distort", run_distort},         {"skip", run_skip},
-      {"costs", run_costs},     {"host", run_host},     {"integrators", run_integrators}, {"mab", run_mab}};
+  static const std::vector<Benchmark> all = {{"raycast", run_raycast},
+                                             {"replay", run_replay},
+                                             {"distort", run_distort},
+                                             {"skip", run_skip},
+                                             {"costs", run_costs},
+                                             {"host", run_host},
+                                             {"integrators", run_integrators},
+                                             {"mab", run_mab},
+                                             {"schedule", run_schedule},
+                                             {"warp", run_warp}};
   return all;
 }
 

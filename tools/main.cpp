@@ -150,7 +150,9 @@ void add_trace(CLI::App& app, TraceCommands& commands, Action& action) {
 void add_bench(CLI::App& app, BenchCommand& command, Action& action) {
   CLI::App* bench =
       app.add_subcommand("bench", "Measure this machine against published and installed rivals");
-  bench->add_option("name", command.name, "raycast, replay, distort, skip, costs, host, integrators or mab")
+  bench
+      ->add_option("name", command.name,
+                   "raycast, replay, distort, skip, costs, host, integrators, mab, schedule or warp")
       ->required();
   add_gpu_option(*bench, command.gpu);
   bench->add_flag("--quick", command.quick, "Fewer repetitions: a first look, not a figure to quote");

@@ -25,6 +25,15 @@ WorkCounts mix(const WorkCounts& a, const WorkCounts& b, double t) {
           .bytes = mix(a.bytes, b.bytes, t)};
 }
 
+WorkCounts difference(const WorkCounts& a, const WorkCounts& b) {
+  return {.rays = a.rays - b.rays,
+          .samples = a.samples - b.samples,
+          .skip_steps = a.skip_steps - b.skip_steps,
+          .shading_fetches = a.shading_fetches - b.shading_fetches,
+          .texels = a.texels - b.texels,
+          .bytes = a.bytes - b.bytes};
+}
+
 }  // namespace
 
 CountedWork::CountedWork(std::vector<WorkProbe> probes, SimDuration period, std::vector<double> qualities)
@@ -37,6 +46,9 @@ CountedWork::CountedWork(std::vector<WorkProbe> probes, SimDuration period, std:
     qualities_.push_back(quality);
   }
   for (const WorkProbe& probe : probes_) {
+    if (probe.cell_shares.size() != probes_.front().cell_shares.size())
+      throw input_error("counted work: probes of {} and {} cells", probes_.front().cell_shares.size(),
+                        probe.cell_shares.size());
     if (probe.cast_below.size() != qualities.size())
       throw input_error("counted work: a probe has casts at {} qualities below 1; {} are needed",
                         probe.cast_below.size(), qualities.size());
@@ -47,22 +59,40 @@ CountedWork::CountedWork(std::vector<WorkProbe> probes, SimDuration period, std:
       throw input_error("counted work: probe {} does not come after the one before it", i);
     }
   }
+  cells_.resize(probes_.front().cell_shares.size());
   if (period_ < SimDuration(0)) throw input_error("counted work: the period is negative");
 }
 
-template <class Counts>
-WorkCounts CountedWork::interpolate(SimTime time, const Counts& counts) {
+CountedWork::Place CountedWork::place_of(SimTime time) {
   if (period_ > SimDuration(0)) time = SimTime(time.time_since_epoch() % period_);
-  if (time <= probes_.front().time) return counts(probes_.front());
-  if (time >= probes_.back().time) return counts(probes_.back());
+  if (time <= probes_.front().time) return {probes_.front(), probes_.front(), 0.0};
+  if (time >= probes_.back().time) return {probes_.back(), probes_.back(), 0.0};
   if (probes_[cursor_].time > time)
     cursor_ = 0;  // a new turn, or a warp latched before the last cast's start
   while (probes_[cursor_ + 1].time <= time)
     ++cursor_;
   const WorkProbe& before = probes_[cursor_];
   const WorkProbe& after = probes_[cursor_ + 1];
-  const double t = to_s(time - before.time) / to_s(after.time - before.time);
-  return mix(counts(before), counts(after), t);
+  return {before, after, to_s(time - before.time) / to_s(after.time - before.time)};
+}
+
+template <class Counts>
+WorkCounts CountedWork::interpolate(SimTime time, const Counts& counts) {
+  const Place place = place_of(time);
+  return mix(counts(place.before), counts(place.after), place.t);
+}
+
+/// By rounded running sums, so that the cells' counts sum up to the whole.
+void CountedWork::divide_into_cells(const WorkCounts& whole, SimTime time) {
+  const Place place = place_of(time);
+  WorkCounts until;
+  double sum = 0.0;
+  for (std::size_t i = 0; i < cells_.size(); ++i) {
+    sum += place.before.cell_shares[i] * (1 - place.t) + place.after.cell_shares[i] * place.t;
+    const WorkCounts next = i + 1 == cells_.size() ? whole : mix({}, whole, std::min(sum, 1.0));
+    cells_[i].work = difference(next, until);
+    until = next;
+  }
 }
 
 JobOutcome CountedWork::update(const UpdateRequest& request) {
@@ -78,9 +108,14 @@ JobOutcome CountedWork::cast(const CastRequest& request) {
   const auto at = [](const WorkProbe& probe, std::size_t quality) {
     return quality == 0 ? probe.cast : probe.cast_below[quality - 1];
   };
-  return {.work = interpolate(request.start, [&](const WorkProbe& probe) {
-            return below == 0 ? probe.cast : mix(at(probe, below), at(probe, below - 1), t);
-          })};
+  JobOutcome outcome{.work = interpolate(request.start, [&](const WorkProbe& probe) {
+                       return below == 0 ? probe.cast : mix(at(probe, below), at(probe, below - 1), t);
+                     })};
+  if (request.cell_columns > 0 && !cells_.empty()) {
+    divide_into_cells(outcome.work, request.start);
+    outcome.cells = cells_;
+  }
+  return outcome;
 }
 
 JobOutcome CountedWork::warp(const WarpRequest& request) {

@@ -13,7 +13,8 @@ struct WorkProbe {
   WorkCounts cast{};                     // at quality 1
   std::vector<WorkCounts> cast_below{};  // at the qualities below 1 that CountedWork is told
   WorkCounts warp{};
-  WorkCounts update{};  // of a change of the transfer function to the version in force there
+  WorkCounts update{};                // of a change of the transfer function to the version in force there
+  std::vector<double> cell_shares{};  // of a cast in cells: each one's part of the work; the sum is 1
 };
 
 /// FrameWork without pixels, for pacing-only replays: counts are interpolated linearly between probes
@@ -36,11 +37,19 @@ class CountedWork final : public FrameWork {
  private:
   template <class Counts>
   WorkCounts interpolate(SimTime time, const Counts& counts);
+  /// The probes around a time and the place between them.
+  struct Place {
+    const WorkProbe &before, &after;
+    double t;
+  };
+  Place place_of(SimTime time);
+  void divide_into_cells(const WorkCounts& whole, SimTime time);
 
   std::vector<WorkProbe> probes_;
   SimDuration period_;
-  std::vector<double> qualities_;  // from 1 on
-  std::size_t cursor_ = 0;         // forward walks are amortised O(1)
+  std::vector<double> qualities_;   // from 1 on
+  std::vector<CellOutcome> cells_;  // of the last cast
+  std::size_t cursor_ = 0;          // forward walks are amortised O(1)
 };
 
 }  // namespace brace

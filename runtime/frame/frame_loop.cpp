@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "base/error.hpp"
+#include "runtime/frame/chunked_cast.hpp"
 #include "runtime/frame/recent_durations.hpp"
 #include "runtime/timeline/event_queue.hpp"
 
@@ -43,7 +44,9 @@ struct Loop {
       : config(loop_config),
         inputs(loop_inputs),
         clock(SimTime(SimDuration(0)), loop_config.display.refresh),
-        gpu(loop_config.queue, loop_config.preemption) {}
+        gpu(loop_config.queue, loop_config.preemption) {
+    if (loop_config.chunked) chunked.emplace(*loop_config.chunked);
+  }
 
   const FrameLoopConfig& config;
   const FrameLoopInputs& inputs;
@@ -54,17 +57,21 @@ struct Loop {
   SimulatedGpu gpu;
   std::optional<SimTime> gpu_event;  // earliest change that an event waits for
 
+  std::optional<ChunkedCast> chunked;
+
   std::optional<EyeFrame> casting;   // at most one
   std::optional<EyeFrame> front;     // newest finished
   std::optional<DisplayImage> next;  // the one image between latch and vsync
   std::optional<DisplayImage> panel;
 
   RecentDurations cast_durations, warp_costs;
+  RecentDurations frame_intervals;  // between ends of eye frames
   double quality = 1.0;
   std::uint32_t missed_since_control = 0;
   std::int32_t stale_run = 0;
-  std::int64_t next_latch_vsync = 0;   // the vsync that the next warp latches for
-  std::int64_t front_seen_vsync = -1;  // that the front buffer was first latched for; -1: not yet
+  std::int64_t next_latch_vsync = 0;     // the vsync that the next warp latches for
+  std::int64_t next_deadline_vsync = 1;  // whose warp cells must leave time for
+  std::int64_t front_seen_vsync = -1;    // that the front buffer was first latched for; -1: not yet
   std::int64_t last_predicted_vsync = -1;
   std::int64_t transfer_version = 0;  // that eye frames show
   FrameLoopResult result;
@@ -111,15 +118,33 @@ void expect_gpu_change(Loop& loop) {
   loop.gpu_event = change;
 }
 
-void submit(Loop& loop, JobKind kind, std::int64_t index, const JobOutcome& outcome) {
+void submit(Loop& loop, JobKind kind, std::int64_t index, const JobOutcome& outcome, double share = 1.0,
+            SimDuration overhead = SimDuration(0)) {
   const SimTime now = loop.events.now();
   const SimDuration cost = loop.inputs.cost.cost({.kind = kind,
                                                   .index = index,
                                                   .elapsed = now.time_since_epoch(),
                                                   .work = outcome.work,
-                                                  .device_time = outcome.device_time});
+                                                  .device_time = outcome.device_time,
+                                                  .share = share}) +
+                           overhead;
   loop.gpu.submit({.kind = kind, .index = index, .cost = cost, .work = outcome.work}, now);
   expect_gpu_change(loop);
+}
+
+/// Cells of the eye frame at hand, as many as fit before the next warp is submitted.
+void submit_cells(Loop& loop) {
+  if (!loop.chunked || !loop.casting) return;
+  const SimTime vsync = loop.clock.time_of(loop.next_deadline_vsync);
+  const ChunkedParams& params = loop.chunked->params();
+  const SimTime deadline = vsync - std::min(params.reserve.value_or(warp_lead(loop)), period_of(loop));
+  const bool warp_runs = loop.next && loop.next->done_ns < 0;
+  loop.chunked->submit_what_fits(
+      loop.events.now(), deadline, !warp_runs || loop.config.queue == QueueKind::dual,
+      [&](const ChunkedCast::CellJob& cell) {
+        submit(loop, JobKind::cast, cell.frame, {cell.outcome.work, cell.outcome.device_time}, cell.share,
+               params.cell_overhead);
+      });
 }
 
 /// The vsync where the newest finished frame is seen first, as known now; -1 if there is none.
@@ -140,6 +165,13 @@ std::int64_t expect_vsync(Loop& loop) {
   return vsync;
 }
 
+/// How much later than its first photons an eye frame is aimed at.
+SimDuration aim_offset(const Loop& loop) {
+  if (loop.config.aim == Aim::first) return SimDuration(0);
+  const SimDuration period = period_of(loop);
+  return std::max(loop.frame_intervals.mean_or(period) - period, SimDuration(0)) / 2;
+}
+
 /// Brings the GPU to the transfer function in force, before the cast that shows it first.
 void update_transfer(Loop& loop) {
   const SimTime now = loop.events.now();
@@ -157,20 +189,28 @@ void start_eye_frame(Loop& loop) {
   const SimTime now = loop.events.now();
   const std::int64_t vsync = expect_vsync(loop);
   const std::span<const brace_tracker_sample> readings = loop.inputs.head.readings(now);
-  const SimTime target = photon_mid(loop, vsync);
+  const SimTime target = photon_mid(loop, vsync) + aim_offset(loop);
   EyeFrame eye;
   eye.frame = loop.result.eye_frames_started++;
   eye.world_from_head = predict(loop.inputs.predict, readings, target);
   eye.reading_ns = readings.back().time_ns;
   eye.target_ns = to_ns(target);
+  const std::optional<ChunkedParams>& cells = loop.config.chunked;
   const JobOutcome outcome = loop.inputs.work.cast({.frame = eye.frame,
                                                     .slot = static_cast<int>(eye.frame % frame_slots),
                                                     .world_from_head = eye.world_from_head,
                                                     .start = now,
-                                                    .quality = loop.quality});
+                                                    .quality = loop.quality,
+                                                    .cell_columns = cells ? cells->columns : 0,
+                                                    .cell_rows = cells ? cells->rows : 0});
   eye.work = outcome.work;
   loop.casting = eye;
-  submit(loop, JobKind::cast, eye.frame, outcome);
+  if (loop.chunked) {
+    loop.chunked->begin_frame(eye.frame, outcome);
+    submit_cells(loop);
+  } else {
+    submit(loop, JobKind::cast, eye.frame, outcome);
+  }
 }
 
 /// Takes the newest finished eye frame and, for warps that use one, the newest pose.
@@ -200,6 +240,14 @@ void latch_warp(Loop& loop, std::int64_t vsync) {
   submit(loop, JobKind::warp, vsync, outcome);
 }
 
+/// The time for cells is that between two warps.
+void begin_cell_period(Loop& loop, std::int64_t latched_vsync) {
+  if (!loop.chunked) return;
+  loop.next_deadline_vsync = latched_vsync + 1;
+  loop.chunked->begin_period();
+  submit_cells(loop);
+}
+
 void control_quality(Loop& loop, const JobRecord& cast) {
   const ControlStage& control = loop.inputs.control;
   if (control.functions == nullptr) return;
@@ -226,6 +274,7 @@ void control_quality(Loop& loop, const JobRecord& cast) {
 
 void finish_cast(Loop& loop, const JobRecord& job) {
   BRACE_CHECK(loop.casting && loop.casting->frame == job.index);
+  if (loop.front) loop.frame_intervals.add(SimDuration(job.end_ns - loop.front->done_ns));
   loop.front = loop.casting;
   loop.front->start_ns = job.start_ns;
   loop.front->done_ns = job.end_ns;
@@ -250,10 +299,16 @@ void finish_warp(Loop& loop, const JobRecord& job) {
 void collect_finished(Loop& loop) {
   loop.gpu.advance(loop.events.now());
   while (const std::optional<JobRecord> job = loop.gpu.take_finished()) {
+    if (job->kind == JobKind::cast && loop.chunked) {
+      if (const auto whole = loop.chunked->finish_cell(*job, loop.inputs.sink)) finish_cast(loop, *whole);
+      continue;
+    }
+    if (loop.chunked) loop.chunked->flush(loop.inputs.sink);  // rows in the order of time
     loop.inputs.sink.add(*job);
     if (job->kind == JobKind::cast) finish_cast(loop, *job);
     if (job->kind == JobKind::warp) finish_warp(loop, *job);
   }
+  submit_cells(loop);
   expect_gpu_change(loop);
 }
 
@@ -380,6 +435,7 @@ FrameLoopResult run_frame_loop(const FrameLoopConfig& config, const FrameLoopInp
         break;
       case LoopEvent::latch_warp:
         latch_warp(loop, event.data);
+        begin_cell_period(loop, event.data);
         break;
       case LoopEvent::start_eye_frame:
         start_eye_frame(loop);
@@ -388,8 +444,11 @@ FrameLoopResult run_frame_loop(const FrameLoopConfig& config, const FrameLoopInp
         break;
     }
   }
-  for (const JobRecord& job : loop.gpu.unfinished())
+  if (loop.chunked) loop.chunked->flush(inputs.sink);
+  for (JobRecord job : loop.gpu.unfinished()) {
+    job.ends_frame = job.ends_frame && !(loop.chunked && job.kind == JobKind::cast);
     inputs.sink.add(job);
+  }
   loop.result.events = loop.events.processed();
   return loop.result;
 }

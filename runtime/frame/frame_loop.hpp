@@ -7,6 +7,7 @@
 #include "base/time.hpp"
 #include "hmd_sim/vsync.hpp"
 #include "plugins/abi/brace_stage.h"
+#include "runtime/frame/cell_schedule.hpp"
 #include "runtime/frame/frame_work.hpp"
 #include "runtime/frame/head_motion.hpp"
 #include "runtime/frame/record_sink.hpp"
@@ -37,6 +38,12 @@ enum class Pace {
   free    // at once, but not within free_frame_interval_min of the start before
 };
 
+/// For which of the vsyncs that an eye frame is seen at its pose is predicted.
+enum class Aim {
+  first,  // the first
+  middle  // the middle of the time it is expected to be seen: late warps have the least to make up
+};
+
 inline constexpr SimDuration free_frame_interval_min{100'000};
 
 struct FrameLoopConfig {
@@ -45,6 +52,8 @@ struct FrameLoopConfig {
   QueueKind queue = QueueKind::single;
   PreemptionParams preemption;
   Pace pace = Pace::vsync;
+  Aim aim = Aim::first;
+  std::optional<ChunkedParams> chunked;  // schedule/chunked; default: schedule/whole_frame
   WarpPose warp_pose = WarpPose::rotation;
   /// How long before its vsync a warp latches its pose and is submitted. Default: the dearest of the last
   /// 8 warps (before the first: a quarter of a period) + warp_margin, on a priority queue + granularity + a
@@ -99,6 +108,11 @@ struct FrameLoopResult {
 /// the middle of the photons of the vsync where it is expected to be seen first: start + mean of the last 8
 /// frame durations (nothing before the first), the first vsync whose warp latches after that, and with
 /// Pace::vsync later than the one where the frame before is seen. Finished by the GPU it is the front buffer.
+/// With Aim::middle it is predicted for later by half of what it is expected to be seen longer than a period.
+///
+/// Chunked. An eye frame is cast in cells (CellSchedule), all from the pose of its start: between the
+/// submission of one warp and of the next as many as fit, at least one. What is left of the frame waits; it
+/// is the front buffer when its last cell is done.
 ///
 /// Transfer function. An eye frame shows the version in force when it is started. If that is another one than
 /// the frame before it showed, an update job goes to the GPU right before its cast; versions that no frame

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 
 #include "base/pose.hpp"
 #include "base/time.hpp"
@@ -18,6 +19,7 @@ struct CastRequest {
   Pose world_from_head{};
   SimTime start{};
   double quality = 1.0;  // 0 < quality <= 1, from the control stage: fraction of the full ray count
+  int cell_columns = 0, cell_rows = 0;  // of each eye: outcomes of cells are wanted; 0: of the frame alone
 };
 
 /// One display image: the newest finished eye frame, re-projected to the newest pose and distorted. At most
@@ -47,11 +49,19 @@ struct UpdateRequest {
   SimTime start{};
 };
 
+/// A part of a cast: the rays of one cell.
+struct CellOutcome {
+  WorkCounts work{};
+  SimDuration device_time{0};
+};
+
 /// `device_time` is what the device at hand measured (zero if nothing ran); only the `measured` cost source
-/// looks at it.
+/// looks at it. `cells`, where they were asked for and are known: the left eye's row by row, then the right
+/// one's; valid until the next call. They sum up to the whole.
 struct JobOutcome {
   WorkCounts work{};
   SimDuration device_time{0};
+  std::span<const CellOutcome> cells{};
 };
 
 struct ShowOutcome {

@@ -11,7 +11,8 @@ class PacingSink final : public RecordSink {
   void add(const FrameRecord& record) override { pacing_.add(record); }
   void add(const JobRecord& record) override {
     ++jobs_;
-    if (record.kind == JobKind::cast && record.end_ns >= 0) pacing_.add_frame_done(record.end_ns);
+    if (record.kind == JobKind::cast && record.end_ns >= 0 && record.ends_frame)
+      pacing_.add_frame_done(record.end_ns);
   }
 
   PacingFigures figures() const { return pacing_.figures(); }

@@ -66,6 +66,23 @@ std::optional<MabPlan> plan_mab(const Session& session, const Headset& headset) 
                   .resolution_scale = session.device.resolution_scale});
 }
 
+void require_cells(const Session& session) {
+  const auto refuse = [](const std::string& what, const char* accepted) {
+    throw input_error("schedule/chunked does not work with {}; accepted: {}, or schedule/whole_frame", what,
+                      accepted);
+  };
+  for (const char* family : {"rays", "cast"}) {
+    if (is_native(session, family))
+      refuse(session.pipeline.at(family).stage.id(), "GLSL stages, which are cast in cells");
+  }
+  const std::string stereo = session.pipeline.at("stereo").stage.id();
+  if (stereo != "stereo/two_pass") refuse(stereo, "stereo/two_pass");
+  if (session.run.watchdog != WatchdogLevel::off)
+    refuse(fmt::format("run.watchdog = '{}'", to_string(session.run.watchdog)), "'off'");
+  if (session.clock.cost.rfind("recorded:", 0) == 0)
+    refuse("clock.cost = 'recorded:…', which knows no cells", "other costs");
+}
+
 EyePair make_eye_pair(const gpu::Device& device, PictureSize size) {
   return {EyeTarget(device, size.width_px, size.height_px), EyeTarget(device, size.width_px, size.height_px)};
 }
@@ -194,6 +211,58 @@ JobOutcome EyeRenderer::render_by_steps(const Pose& world_from_head, const EyePa
   }
   ++frame_;
   if (counting_ == Counting::on) outcome.work = sum(outcome.work, pipeline_.counted(device_));
+  return outcome;
+}
+
+template <class Record>
+SimDuration EyeRenderer::submit_step(const char* name, const Record& record) {
+  commands_.reset();
+  commands_.barrier();
+  commands_.begin_timing(name);
+  record();
+  commands_.barrier();
+  commands_.end_timing();
+  return SimDuration(total_ns(gpu::submit_and_wait(commands_)));
+}
+
+void EyeRenderer::cast_cells(const CastPipeline::Resources& resources, int columns, int rows) {
+  const int across = resources.rays_across(), down = resources.rays_down();
+  for (int row = 0; row < rows; ++row)
+    for (int column = 0; column < columns; ++column) {
+      const int x = across * column / columns, y = down * row / rows;
+      const CastArea area{x, y, across * (column + 1) / columns - x, down * (row + 1) / rows - y};
+      pipeline_.reset_counters(device_);
+      CellOutcome cell;
+      cell.device_time = submit_step("cast", [&] { pipeline_.record_cast(commands_, resources, area); });
+      cell.work = pipeline_.counted(device_);
+      cells_.push_back(cell);
+    }
+}
+
+JobOutcome EyeRenderer::render_cells(const Pose& world_from_head, const EyePair& into, double quality,
+                                     int columns, int rows) {
+  if (mab_) mab_->set_quality(quality);
+  cells_.clear();
+  for (const sim::Eye eye : sim::all_eyes) {
+    const EyeTarget& target = into[static_cast<std::size_t>(eye)];
+    set_eye(eye, eye_view(headset_, eye, world_from_head), target);
+    const CastPipeline::Resources resources = resources_of(eye, target);
+    const std::size_t first = cells_.size();
+    const SimDuration opening = submit_step("opening", [&] {
+      pipeline_.record_opening(commands_, resources, {0, 0, resources.rays_across(), resources.rays_down()});
+    });
+    cast_cells(resources, columns, rows);
+    const SimDuration closing = submit_step("closing", [&] {
+      pipeline_.record_closing(commands_, resources, {0, 0, target.width_px, target.height_px});
+    });
+    cells_[first].device_time += opening;
+    cells_.back().device_time += closing;
+  }
+  JobOutcome outcome{.cells = cells_};
+  for (const CellOutcome& cell : cells_) {
+    outcome.work = sum(outcome.work, cell.work);
+    outcome.device_time += cell.device_time;
+  }
   return outcome;
 }
 

@@ -18,6 +18,9 @@ namespace brace {
 /// The session's rays/mab over the headset's eyes; empty for other stages.
 std::optional<MabPlan> plan_mab(const Session& session, const Headset& headset);
 
+/// Throws input_error for stages that schedule/chunked cannot cast in cells.
+void require_cells(const Session& session);
+
 EyePair make_eye_pair(const gpu::Device& device, PictureSize size);
 
 /// Ray casts both eyes of a head pose. Everything given must outlive it.
@@ -39,6 +42,11 @@ class EyeRenderer {
   /// `quality`: the share of the rays that load control asks for; only rays/mab can cast fewer.
   JobOutcome render(const Pose& world_from_head, const EyePair& into, double quality = 1.0);
 
+  /// The same in cells, a grid over each eye's rays, each cell on its own; valid until the next call. Kernels
+  /// alone: see require_cells.
+  JobOutcome render_cells(const Pose& world_from_head, const EyePair& into, double quality, int columns,
+                          int rows);
+
   /// Call after the scene's transfer function has changed: native stages, which have it from their
   /// activation, are activated anew.
   void transfer_changed();
@@ -51,6 +59,9 @@ class EyeRenderer {
   void set_eye(sim::Eye eye, const EyeView& view, const EyeTarget& target) const;
   CastPipeline::Resources resources_of(sim::Eye eye, const EyeTarget& target);
   JobOutcome render_by_steps(const Pose& world_from_head, const EyePair& into);
+  void cast_cells(const CastPipeline::Resources& resources, int columns, int rows);
+  template <class Record>
+  SimDuration submit_step(const char* name, const Record& record);
   EyeCastOutcome cast_eye_by_steps(sim::Eye eye, const Pose& world_from_head, const EyeTarget& target);
   const RayBuffers& rays() const { return mab_ ? mab_->rays() : own_rays_; }
   std::int64_t compose_right_eye(const Pose& world_from_head, const EyePair& into);
@@ -65,6 +76,7 @@ class EyeRenderer {
   std::unique_ptr<MabBraces> mab_;  // null unless the session's rays are rays/mab's
   RayBuffers own_rays_;             // empty with mab_
   std::vector<gpu::Binding> bindings_;
+  std::vector<CellOutcome> cells_;  // of the last render_cells
   gpu::CommandList commands_;
 
   // Empty where the pipeline's kernels do the work.

@@ -55,8 +55,10 @@ JobOutcome PixelWork::update(const UpdateRequest& request) {
 }
 
 JobOutcome PixelWork::cast(const CastRequest& request) {
-  return renderer_.render(request.world_from_head, slots_[static_cast<std::size_t>(request.slot)],
-                          request.quality);
+  const EyePair& eyes = slots_[static_cast<std::size_t>(request.slot)];
+  if (request.cell_columns == 0) return renderer_.render(request.world_from_head, eyes, request.quality);
+  return renderer_.render_cells(request.world_from_head, eyes, request.quality, request.cell_columns,
+                                request.cell_rows);
 }
 
 JobOutcome PixelWork::warp(const WarpRequest& request) {

@@ -36,6 +36,19 @@ std::unique_ptr<CostSource> make_cost(const Session& session, const std::filesys
   return make_model_cost(find_cost_model(data_folder / "costs", name), pixel_scale, clock.cost_scale);
 }
 
+std::optional<ChunkedParams> chunked_params(const PipelineStage& schedule) {
+  if (schedule.stage.id() != "schedule/chunked") return {};
+  ChunkedParams params;
+  params.columns = static_cast<int>(schedule.value("columns"));
+  params.rows = static_cast<int>(schedule.value("rows"));
+  params.guard = static_cast<ChunkedParams::Guard>(static_cast<int>(schedule.value("guard")));
+  params.order = static_cast<ChunkedParams::Order>(static_cast<int>(schedule.value("order")));
+  params.bias = schedule.value("bias");
+  if (schedule.value("reserve_ms") > 0.0) params.reserve = from_s(schedule.value("reserve_ms") * 1e-3);
+  params.cell_overhead = from_s(schedule.value("cell_overhead_us") * 1e-6);
+  return params;
+}
+
 FrameLoopConfig loop_config(const Session& session, const Headset& headset,
                             std::optional<std::int64_t> vsyncs) {
   FrameLoopConfig config;
@@ -47,7 +60,10 @@ FrameLoopConfig loop_config(const Session& session, const Headset& headset,
                                              : QueueKind::dual;
   config.preemption.granularity = from_s(clock.preempt_granularity_us * 1e-6);
   config.preemption.switch_cost = from_s(clock.switch_cost_us * 1e-6);
-  config.pace = session.pipeline.at("schedule").value("pace") == 0.0 ? Pace::vsync : Pace::free;
+  const PipelineStage& schedule = session.pipeline.at("schedule");
+  config.pace = schedule.value("pace") == 0.0 ? Pace::vsync : Pace::free;
+  config.aim = schedule.value("aim") == 0.0 ? Aim::first : Aim::middle;
+  config.chunked = chunked_params(schedule);
   config.warp_pose = warp_pose_of(session.pipeline.at("warp"));
   if (clock.warp_lead_ms) config.warp_lead = from_s(*clock.warp_lead_ms * 1e-3);
   return config;

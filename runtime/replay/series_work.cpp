@@ -48,6 +48,21 @@ bool quality_counts(const Session& session) {
          session.pipeline.at("control").stage.id() != "control/fixed";
 }
 
+/// A cast's counts, and where the session casts in cells how they are spread over them.
+WorkProbe probe_cast(const Session& session, EyeRenderer& renderer, const Pose& pose, const EyePair& eyes) {
+  const PipelineStage& schedule = session.pipeline.at("schedule");
+  if (schedule.stage.id() != "schedule/chunked")
+    return {.time = {}, .cast = renderer.render(pose, eyes).work};
+  const JobOutcome outcome = renderer.render_cells(
+      pose, eyes, 1.0, static_cast<int>(schedule.value("columns")), static_cast<int>(schedule.value("rows")));
+  WorkProbe probe{.time = {}, .cast = outcome.work};
+  // An empty cell still has its rays to look at.
+  const double all = static_cast<double>(outcome.work.samples + outcome.cells.size());
+  for (const CellOutcome& cell : outcome.cells)
+    probe.cell_shares.push_back(static_cast<double>(cell.work.samples + 1) / all);
+  return probe;
+}
+
 /// Counts of work along the head's motion, from eye frames rendered at the true poses.
 CountedWork probe_work(const SeriesWorkInputs& in, EyeRenderer& renderer, SceneOnDevice& scene,
                        const WorkCounts& warp) {
@@ -66,7 +81,10 @@ CountedWork probe_work(const SeriesWorkInputs& in, EyeRenderer& renderer, SceneO
       renderer.transfer_changed();
     }
     const Pose pose = head.true_pose(time);
-    WorkProbe probe{.time = time, .cast = renderer.render(pose, eyes).work, .warp = warp, .update = update};
+    WorkProbe probe = probe_cast(in.session, renderer, pose, eyes);
+    probe.time = time;
+    probe.warp = warp;
+    probe.update = update;
     for (const double quality : qualities)
       probe.cast_below.push_back(renderer.render(pose, eyes, quality).work);
     probes.push_back(std::move(probe));
@@ -134,6 +152,7 @@ bool needs_device(const Session& session) {
 SeriesWork make_work(const SeriesWorkInputs& in) {
   const Session& session = in.session;
   SeriesWork work;
+  if (session.pipeline.at("schedule").stage.id() == "schedule/chunked") require_cells(session);
   announce_rays(in, work);
   if (in.device != nullptr && needs_device(session)) load(in, work);
   if (work.scene && session.run.watchdog != WatchdogLevel::off) {

@@ -47,7 +47,7 @@ Json dssim_json(std::span<const FrameRecord> records) {
 std::vector<std::int64_t> frames_done_ns(const RunSeries& series) {
   std::vector<std::int64_t> done;
   for (const JobRecord& job : series.jobs) {
-    if (job.kind == JobKind::cast && job.end_ns >= 0) done.push_back(job.end_ns);
+    if (job.kind == JobKind::cast && job.end_ns >= 0 && job.ends_frame) done.push_back(job.end_ns);
   }
   if (series.jobs.empty()) {
     std::int64_t last_frame = -1;

@@ -65,7 +65,7 @@ void read_coefficients(const toml::table& root, const std::string& file, const c
 
 }  // namespace
 
-SimDuration evaluate(const CostModel& model, JobKind kind, const WorkCounts& work) {
+SimDuration evaluate(const CostModel& model, JobKind kind, const WorkCounts& work, double share) {
   const double base_ns = kind == JobKind::cast   ? model.base_ns.cast
                          : kind == JobKind::warp ? model.base_ns.warp
                                                  : model.base_ns.update;
@@ -73,7 +73,7 @@ SimDuration evaluate(const CostModel& model, JobKind kind, const WorkCounts& wor
     return price_ns * static_cast<double>(count);
   };
   const CostModel::Item& item = model.item_ns;
-  const double ns = base_ns + part_ns(item.ray, work.rays) + part_ns(item.sample, work.samples) +
+  const double ns = base_ns * share + part_ns(item.ray, work.rays) + part_ns(item.sample, work.samples) +
                     part_ns(item.skip_step, work.skip_steps) +
                     part_ns(item.shading_fetch, work.shading_fetches) + part_ns(item.texel, work.texels) +
                     part_ns(item.byte, work.bytes);

@@ -25,7 +25,8 @@ struct CostModel {
 };
 
 /// Duration of a job, nearest nanosecond.
-SimDuration evaluate(const CostModel& model, JobKind kind, const WorkCounts& work);
+/// `share`: of an eye frame cast in cells; the base is divided among them.
+SimDuration evaluate(const CostModel& model, JobKind kind, const WorkCounts& work, double share = 1.0);
 
 /// Reads a model file (share/brace/costs/NAME.toml); every coefficient must be there, finite and >= 0.
 /// Throws input_error naming file, line and key.

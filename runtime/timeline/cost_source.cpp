@@ -40,7 +40,8 @@ class ModelCost final : public CostSource {
   ModelCost(const CostModel& model, double pixel_scale, double scale)
       : model_(model), pixel_scale_(checked_scale(pixel_scale)), scale_(checked_scale(scale)) {}
   SimDuration cost(const CostQuery& query) override {
-    return scaled(evaluate(model_, query.kind, scale_pixel_work(query.work, pixel_scale_)), scale_);
+    return scaled(evaluate(model_, query.kind, scale_pixel_work(query.work, pixel_scale_), query.share),
+                  scale_);
   }
   bool deterministic() const override { return true; }
 
@@ -116,7 +117,7 @@ class ScriptedCost final : public CostSource {
         std::upper_bound(segments_.begin(), segments_.end(), query.elapsed,
                          [](SimDuration elapsed, const Segment& segment) { return elapsed < segment.from; });
     const Segment& segment = after == segments_.begin() ? segments_.front() : *std::prev(after);
-    return segment.costs[static_cast<std::size_t>(query.kind)];
+    return scaled(segment.costs[static_cast<std::size_t>(query.kind)], query.share);
   }
   bool deterministic() const override { return true; }
 

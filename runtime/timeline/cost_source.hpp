@@ -19,6 +19,7 @@ struct CostQuery {
   SimDuration elapsed{0};      // submission, since the run's start
   WorkCounts work{};           // as rendered
   SimDuration device_time{0};  // measured on the device at hand; zero if nothing ran
+  double share = 1.0;          // of an eye frame cast in cells: this cell's part, for what has no counts
 };
 
 /// Where the durations of jobs on the simulated GPU come from. Called once per job in order of submission;

@@ -37,6 +37,7 @@ struct JobRecord {
   std::int64_t preempted_ns = 0;  // between start and end, but not working on this job
   std::int64_t cost_ns = 0;       // from the cost source
   WorkCounts work{};
+  bool ends_frame = true;  // false: a part of a chunked cast, and not its last; not in costs.csv
 
   bool operator==(const JobRecord&) const = default;
 };

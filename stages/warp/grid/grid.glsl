@@ -47,6 +47,18 @@ vec2 grid_crossing(GridPoint before, GridPoint behind) {
   return mix(before.tan_xy, behind.tan_xy, clamp(t, 0.0, 1.0));
 }
 
+// Where the ray first is behind the surface, in `count` steps.
+vec2 grid_search(vec3 direction, vec3 origin_m, float w_max, float count) {
+  GridPoint before = grid_point(direction, origin_m, w_max);
+  if (before.in_front <= 0.0) return before.tan_xy;
+  for (float i = 1.0; i < count; i += 1.0) {
+    const GridPoint next = grid_point(direction, origin_m, w_max * (1.0 - i / count));
+    if (next.in_front <= 0.0) return grid_crossing(before, next);
+    before = next;
+  }
+  return grid_crossing(before, grid_point(direction, origin_m, 0.0));
+}
+
 void brace_warp_pixel(vec2 tan_xy) {
   grid_parallax = vec2(0.0);
   const vec3 origin_m = brace_display.old_from_new[3].xyz;
@@ -56,22 +68,16 @@ void brace_warp_pixel(vec2 tan_xy) {
   float w_max = 1.0 / warp_near_m;
   if (-(direction.z + w_max * origin_m.z) <= GRID_BESIDE) w_max = (-direction.z - GRID_BESIDE) / origin_m.z;
   const vec2 at_infinity = direction.xy / -direction.z;
-  GridPoint before = grid_point(direction, origin_m, w_max);
-  const vec2 path_px = abs((before.tan_xy - at_infinity) * brace_display.source.xy);
-  const float count = clamp(ceil(max(path_px.x, path_px.y)), 1.0, float(warp_steps));
-  vec2 found = before.tan_xy;
-  if (before.in_front > 0.0) {
-    found = at_infinity;
-    for (float i = 1.0; i <= count; i += 1.0) {
-      const GridPoint next = grid_point(direction, origin_m, w_max * (1.0 - i / count));
-      if (next.in_front <= 0.0) {
-        found = grid_crossing(before, next);
-        break;
-      }
-      before = next;
-    }
+  const vec3 nearest = direction + w_max * origin_m;
+  const vec2 path = nearest.xy / -nearest.z - at_infinity;
+  const vec2 path_px = abs(path * brace_display.source.xy);
+  const float length_px = max(path_px.x, path_px.y);
+  // Within a pixel there is no edge to look for, and the path is as good as linear in w.
+  if (length_px <= 1.0) {
+    grid_parallax = path * clamp(grid_inverse_depth(at_infinity) * length(direction) / w_max, 0.0, 1.0);
+    return;
   }
-  grid_parallax = found - at_infinity;
+  grid_parallax = grid_search(direction, origin_m, w_max, min(ceil(length_px), float(warp_steps))) - at_infinity;
 }
 
 vec2 brace_warp_source(vec2 tan_xy) {
