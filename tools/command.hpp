@@ -13,6 +13,9 @@ namespace brace {
 
 // The commands of `brace`. Each returns the exit code or throws brace::Error; main() prints it.
 
+/// The values of --set. Throws input_error for one that is not KEY=VALUE.
+Overrides parse_settings(const std::vector<std::string>& settings);
+
 struct RunCommand {
   std::filesystem::path session;
   std::vector<std::string> set;  // KEY=VALUE
@@ -25,6 +28,19 @@ struct RunCommand {
   bool json = false;
 };
 int run_command(const RunCommand& command);
+
+struct LiveCommand {
+  std::filesystem::path session;
+  std::vector<std::string> set;  // KEY=VALUE
+  std::optional<std::int64_t> frames;
+  std::string screenshot;  // PNG of the last frame; "": none
+  std::string record;      // trace to write; "": only when asked to
+  double rate_hz = 30.0;
+  bool keep_scale = false;
+  std::string gpu;
+  std::vector<std::string> plugin_path;
+};
+int live_command(const LiveCommand& command);
 
 struct CompareCommand {
   std::filesystem::path a, b;           // run directories

@@ -87,6 +87,30 @@ void add_sweep(CLI::App& app, SweepCommand& command, Action& action) {
   sweep->callback([&] { action = [&] { return sweep_command(command); }; });
 }
 
+void add_live(CLI::App& app, LiveCommand& command, Action& action) {
+  CLI::App* live = app.add_subcommand("live", "The simulated headset in a window, on the trace or by hand");
+  live->add_option("session", command.session, "Session file (TOML)")->required();
+  live->add_option("--set", command.set, "KEY=VALUE: override a key of the session");
+  live->add_option("--rate", command.rate_hz, "Pictures per second that the resolution is chosen for")
+      ->check(CLI::Range(1.0, 1000.0))
+      ->capture_default_str();
+  live->add_flag("--keep-scale", command.keep_scale,
+                 "Keep the session's resolution_scale, whatever the rate");
+  live->add_option("--frames", command.frames, "End after this many pictures (default: until closed)")
+      ->check(CLI::Range(std::int64_t{1}, std::int64_t{1} << 40));
+  live->add_option("--screenshot", command.screenshot, "PNG of both eyes to write at the end");
+  live->add_option("--record", command.record, "Trace of the head to write at the end (without it: key R)");
+  add_gpu_option(*live, command.gpu);
+  add_plugin_path_option(*live, command.plugin_path);
+  live->footer(
+      "Keys: drag with the mouse to look, WASD or arrows to move, Q and E down and up, T back to the trace,\n"
+      "R record (live.trace), P picture (live-FRAME.png), Esc ends. Saved stages are compiled and swapped "
+      "in.\n\n"
+      "Example:\n  brace live examples/demo.toml\n"
+      "  xvfb-run brace live examples/demo.toml --frames 60 --screenshot eyes.png");
+  live->callback([&] { action = [&] { return live_command(command); }; });
+}
+
 void add_list(CLI::App& app, ListCommand& command, Action& action) {
   CLI::App* list = app.add_subcommand("list", "What sessions can name");
   list->add_option("what", command.what,
@@ -243,6 +267,7 @@ int main(int argc, char** argv) {
       "Exit codes: 0 done, 1 a check failed, 2 bad input or usage, 3 device or plug-in failed.");
 
   RunCommand run;
+  LiveCommand live;
   CompareCommand compare;
   SweepCommand sweep;
   ListCommand list;
@@ -254,6 +279,7 @@ int main(int argc, char** argv) {
   CheckStageCommand check_stage;
   Action action;
   add_run(app, run, action);
+  add_live(app, live, action);
   add_compare(app, compare, action);
   add_sweep(app, sweep, action);
   add_trace(app, trace, action);

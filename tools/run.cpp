@@ -11,14 +11,7 @@ namespace brace {
 namespace {
 
 Overrides overrides_of(const RunCommand& command) {
-  Overrides overrides;
-  for (const std::string& setting : command.set) {
-    const std::size_t equals = setting.find('=');
-    if (equals == std::string::npos) {
-      throw input_error("--set {}: accepted: KEY=VALUE, e.g. --set pipeline.warp=none", setting);
-    }
-    overrides.emplace_back(setting.substr(0, equals), setting.substr(equals + 1));
-  }
+  Overrides overrides = parse_settings(command.set);
   if (command.frames) overrides.emplace_back("run.frames", std::to_string(*command.frames));
   if (command.watchdog) overrides.emplace_back("run.watchdog", *command.watchdog);
   if (command.seed) overrides.emplace_back("run.seed", std::to_string(*command.seed));
@@ -68,6 +61,18 @@ void print_headlines(const nlohmann::ordered_json& summary, const std::filesyste
 }
 
 }  // namespace
+
+Overrides parse_settings(const std::vector<std::string>& settings) {
+  Overrides overrides;
+  for (const std::string& setting : settings) {
+    const std::size_t equals = setting.find('=');
+    if (equals == std::string::npos) {
+      throw input_error("--set {}: accepted: KEY=VALUE, e.g. --set pipeline.warp=none", setting);
+    }
+    overrides.emplace_back(setting.substr(0, equals), setting.substr(equals + 1));
+  }
+  return overrides;
+}
 
 int run_command(const RunCommand& command) {
   note_interrupts();

@@ -16,7 +16,7 @@ bool validation_asked_for(const DeviceOptions& options) {
   return options.validation || (value && std::string_view(value) == "1");
 }
 
-void create_logical_device(DeviceContext& context) {
+void create_logical_device(DeviceContext& context, bool presents) {
   const float priority = 1.0f;
   VkDeviceQueueCreateInfo queue{VK_STRUCTURE_TYPE_DEVICE_QUEUE_CREATE_INFO};
   queue.queueFamilyIndex = context.queue_family;
@@ -30,13 +30,14 @@ void create_logical_device(DeviceContext& context) {
   v12.scalarBlockLayout = VK_TRUE;
   v12.storageBuffer8BitAccess = v12.shaderInt8 = context.info.limits.has_int8_storage ? VK_TRUE : VK_FALSE;
 
-  const char* extension = VK_KHR_PUSH_DESCRIPTOR_EXTENSION_NAME;
+  std::vector<const char*> extensions = {VK_KHR_PUSH_DESCRIPTOR_EXTENSION_NAME};
+  if (presents) extensions.push_back(VK_KHR_SWAPCHAIN_EXTENSION_NAME);
   VkDeviceCreateInfo info{VK_STRUCTURE_TYPE_DEVICE_CREATE_INFO};
   info.pNext = &v12;
   info.queueCreateInfoCount = 1;
   info.pQueueCreateInfos = &queue;
-  info.enabledExtensionCount = 1;
-  info.ppEnabledExtensionNames = &extension;
+  info.enabledExtensionCount = static_cast<std::uint32_t>(extensions.size());
+  info.ppEnabledExtensionNames = extensions.data();
   check_vk(vkCreateDevice(context.physical, &info, nullptr, &context.device), context, "create the device");
   volkLoadDeviceTable(&context.vk, context.device);
   context.vk.vkGetDeviceQueue(context.device, context.queue_family, 0, &context.queue);
@@ -49,7 +50,8 @@ Device::Device(const DeviceOptions& options) : context_(std::make_unique<DeviceC
   DeviceContext& context = *context_;
   context.log = std::make_unique<ValidationLog>();
   context.log->enabled = validation_asked_for(options);
-  context.instance = std::make_unique<Instance>(context.log->enabled ? context.log.get() : nullptr);
+  context.instance = std::make_unique<Instance>(context.log->enabled ? context.log.get() : nullptr,
+                                                options.window_extensions);
   context.force_staging = options.force_staging;
 
   const std::vector<VkPhysicalDevice> physical = context.instance->physical_devices();
@@ -61,7 +63,7 @@ Device::Device(const DeviceOptions& options) : context_(std::make_unique<DeviceC
   context.info = infos[chosen];
   context.queue_family = static_cast<std::uint32_t>(find_compute_family(context.physical));
   vkGetPhysicalDeviceMemoryProperties(context.physical, &context.memory_properties);
-  create_logical_device(context);
+  create_logical_device(context, !options.window_extensions.empty());
 }
 
 Device::~Device() = default;

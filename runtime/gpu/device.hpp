@@ -61,6 +61,8 @@ struct DeviceOptions {
   bool validation = false;
   /// Treat memory as not host-visible even where it is, so that the staging path runs (tests).
   bool force_staging = false;
+  /// Instance extensions that a window system asks for: the device can then have a SwapChain.
+  std::vector<std::string> window_extensions = {};
 };
 
 /// All devices of the loader, usable or not. Throws device_error when there is no loader or no driver, naming

@@ -27,8 +27,8 @@ struct Instance {
 
   Instance(const Instance&) = delete;
   Instance& operator=(const Instance&) = delete;
-  /// `log` null: no validation. Throws device_error without a loader.
-  explicit Instance(ValidationLog* log);
+  /// `log` null: no validation. Throws device_error without a loader, or without one of the extensions.
+  explicit Instance(ValidationLog* log, const std::vector<std::string>& extensions = {});
   ~Instance();
 
   std::vector<VkPhysicalDevice> physical_devices() const;

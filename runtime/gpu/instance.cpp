@@ -52,7 +52,7 @@ bool has_validation_layer() {
 
 }  // namespace
 
-Instance::Instance(ValidationLog* log) {
+Instance::Instance(ValidationLog* log, const std::vector<std::string>& extensions) {
   if (volkInitialize() != VK_SUCCESS)
     throw device_error("no Vulkan loader (libvulkan.so.1) on this machine; {}", how_to_get_a_driver);
   if (volkGetInstanceVersion() < VK_API_VERSION_1_3)
@@ -67,10 +67,18 @@ Instance::Instance(ValidationLog* log) {
   application.apiVersion = VK_API_VERSION_1_3;
   VkInstanceCreateInfo info{VK_STRUCTURE_TYPE_INSTANCE_CREATE_INFO};
   info.pApplicationInfo = &application;
-  const char* extension = VK_EXT_DEBUG_UTILS_EXTENSION_NAME;
-  has_debug_utils = has_extension(extension);
-  info.enabledExtensionCount = has_debug_utils ? 1 : 0;
-  info.ppEnabledExtensionNames = &extension;
+  std::vector<const char*> enabled;
+  for (const std::string& extension : extensions) {
+    if (!has_extension(extension.c_str())) {
+      throw device_error("the Vulkan loader has no {}, which the window needs; `brace run` needs no window",
+                         extension);
+    }
+    enabled.push_back(extension.c_str());
+  }
+  has_debug_utils = has_extension(VK_EXT_DEBUG_UTILS_EXTENSION_NAME);
+  if (has_debug_utils) enabled.push_back(VK_EXT_DEBUG_UTILS_EXTENSION_NAME);
+  info.enabledExtensionCount = static_cast<std::uint32_t>(enabled.size());
+  info.ppEnabledExtensionNames = enabled.data();
   VkDebugUtilsMessengerCreateInfoEXT messages = messenger_info(log);
   if (log) {
     info.enabledLayerCount = 1;

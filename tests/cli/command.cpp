@@ -108,11 +108,17 @@ std::vector<std::string> Workplace::names() const {
 }
 
 Outcome Workplace::brace(const std::vector<std::string>& arguments, const RunOptions& options) const {
+  std::vector<std::string> words = {BRACE_PROGRAM};
+  words.insert(words.end(), arguments.begin(), arguments.end());
+  return command(words, options);
+}
+
+Outcome Workplace::command(std::vector<std::string> words, const RunOptions& options) const {
+  if (options.on_virtual_display)
+    words.insert(words.begin(), {"/usr/bin/xvfb-run", "-a", "-s", "-screen 0 1200x800x24"});
   // What it says goes beside the folder, so that the folder holds nothing but what the command left there.
   const std::string out_name = folder_.string() + ".out";
   const std::string err_name = folder_.string() + ".err";
-  std::vector<std::string> words = {BRACE_PROGRAM};
-  words.insert(words.end(), arguments.begin(), arguments.end());
   std::vector<std::string> environment = environment_with(options.environment);
 
   posix_spawn_file_actions_t actions;
@@ -130,11 +136,11 @@ Outcome Workplace::brace(const std::vector<std::string>& arguments, const RunOpt
   posix_spawnattr_setsigdefault(&attributes, &by_default);
   posix_spawnattr_setflags(&attributes, POSIX_SPAWN_SETSIGDEF);
   pid_t child = 0;
-  const int error = ::posix_spawn(&child, BRACE_PROGRAM, &actions, &attributes, pointers(words).data(),
-                                  pointers(environment).data());
+  const int error = ::posix_spawn(&child, words.front().c_str(), &actions, &attributes,
+                                  pointers(words).data(), pointers(environment).data());
   posix_spawn_file_actions_destroy(&actions);
   posix_spawnattr_destroy(&attributes);
-  if (error != 0) throw std::runtime_error(std::string(BRACE_PROGRAM) + ": cannot be started");
+  if (error != 0) throw std::runtime_error(words.front() + ": cannot be started");
   const int status = options.interrupt_with == 0 ? wait_for(child)
                                                  : interrupt_and_wait(child, options.interrupt_with, folder_);
   Outcome outcome;

@@ -17,6 +17,7 @@ struct Outcome {
 struct RunOptions {
   std::map<std::string, std::string> environment;  // added to this program's own
   int interrupt_with = 0;                          // this signal is sent once the run has begun to write
+  bool on_virtual_display = false;                 // by xvfb-run
 };
 
 /// A folder of its own for one test, removed at the end. Commands run in it.
@@ -38,6 +39,9 @@ class Workplace {
 
   /// `brace ARGUMENTS…`.
   Outcome brace(const std::vector<std::string>& arguments, const RunOptions& options = {}) const;
+
+  /// Any program by its path.
+  Outcome command(std::vector<std::string> words, const RunOptions& options = {}) const;
 
  private:
   std::filesystem::path folder_;

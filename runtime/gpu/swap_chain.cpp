@@ -1,0 +1,212 @@
+#include "runtime/gpu/swap_chain.hpp"
+
+#include <algorithm>
+#include <cstring>
+
+#include "base/error.hpp"
+#include "runtime/gpu/device_context.hpp"
+
+namespace brace::gpu {
+
+namespace {
+
+void move_image(const DeviceContext& context, VkCommandBuffer commands, VkImage image, VkImageLayout from,
+                VkImageLayout to) {
+  VkImageMemoryBarrier2 barrier{VK_STRUCTURE_TYPE_IMAGE_MEMORY_BARRIER_2};
+  barrier.srcStageMask = barrier.dstStageMask = VK_PIPELINE_STAGE_2_ALL_COMMANDS_BIT;
+  barrier.srcAccessMask = barrier.dstAccessMask = VK_ACCESS_2_MEMORY_READ_BIT | VK_ACCESS_2_MEMORY_WRITE_BIT;
+  barrier.oldLayout = from;
+  barrier.newLayout = to;
+  barrier.srcQueueFamilyIndex = barrier.dstQueueFamilyIndex = VK_QUEUE_FAMILY_IGNORED;
+  barrier.image = image;
+  barrier.subresourceRange = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 1, 0, 1};
+  VkDependencyInfo dependency{VK_STRUCTURE_TYPE_DEPENDENCY_INFO};
+  dependency.imageMemoryBarrierCount = 1;
+  dependency.pImageMemoryBarriers = &barrier;
+  context.vk.vkCmdPipelineBarrier2(commands, &dependency);
+}
+
+VkSurfaceFormatKHR choose_format(const DeviceContext& context, VkSurfaceKHR surface) {
+  std::uint32_t count = 0;
+  vkGetPhysicalDeviceSurfaceFormatsKHR(context.physical, surface, &count, nullptr);
+  std::vector<VkSurfaceFormatKHR> formats(count);
+  vkGetPhysicalDeviceSurfaceFormatsKHR(context.physical, surface, &count, formats.data());
+  for (const VkFormat wanted : {VK_FORMAT_B8G8R8A8_UNORM, VK_FORMAT_R8G8B8A8_UNORM})
+    for (const VkSurfaceFormatKHR& format : formats)
+      if (format.format == wanted) return format;
+  throw device_error("{}: the window takes no 8-bit pictures; `brace run` needs no window",
+                     context.info.name);
+}
+
+}  // namespace
+
+struct SwapChain::State {
+  explicit State(const Device& made_for) : device(made_for), context(made_for.context()) {}
+  ~State();
+
+  void make(VkExtent2D extent, const VkSurfaceCapabilitiesKHR& capabilities);
+  void drop_images();
+
+  const Device& device;
+  DeviceContext& context;
+  VkSurfaceKHR surface = nullptr;
+  VkSurfaceFormatKHR format{};
+  VkSwapchainKHR chain = nullptr;
+  VkExtent2D extent{};
+  std::vector<VkImage> images;
+  VkCommandPool pool = nullptr;
+  VkCommandBuffer commands = nullptr;
+  VkFence acquired = nullptr, done = nullptr;
+  Buffer pixels;
+};
+
+SwapChain::State::~State() {
+  if (context.device) context.vk.vkDeviceWaitIdle(context.device);
+  drop_images();
+  context.vk.vkDestroyFence(context.device, acquired, nullptr);
+  context.vk.vkDestroyFence(context.device, done, nullptr);
+  context.vk.vkDestroyCommandPool(context.device, pool, nullptr);
+  if (surface) vkDestroySurfaceKHR(context.instance->handle, surface, nullptr);
+}
+
+void SwapChain::State::drop_images() {
+  if (chain) context.vk.vkDestroySwapchainKHR(context.device, chain, nullptr);
+  chain = nullptr;
+  images.clear();
+}
+
+void SwapChain::State::make(VkExtent2D new_extent, const VkSurfaceCapabilitiesKHR& capabilities) {
+  context.vk.vkDeviceWaitIdle(context.device);
+  drop_images();
+  VkSwapchainCreateInfoKHR info{VK_STRUCTURE_TYPE_SWAPCHAIN_CREATE_INFO_KHR};
+  info.surface = surface;
+  info.minImageCount = capabilities.minImageCount + 1;
+  if (capabilities.maxImageCount > 0)
+    info.minImageCount = std::min(info.minImageCount, capabilities.maxImageCount);
+  info.imageFormat = format.format;
+  info.imageColorSpace = format.colorSpace;
+  info.imageExtent = new_extent;
+  info.imageArrayLayers = 1;
+  info.imageUsage = VK_IMAGE_USAGE_TRANSFER_DST_BIT;
+  info.imageSharingMode = VK_SHARING_MODE_EXCLUSIVE;
+  info.preTransform = capabilities.currentTransform;
+  info.compositeAlpha = capabilities.supportedCompositeAlpha & VK_COMPOSITE_ALPHA_OPAQUE_BIT_KHR
+                            ? VK_COMPOSITE_ALPHA_OPAQUE_BIT_KHR
+                            : VK_COMPOSITE_ALPHA_INHERIT_BIT_KHR;
+  info.presentMode = VK_PRESENT_MODE_FIFO_KHR;
+  info.clipped = VK_TRUE;
+  check_vk(context.vk.vkCreateSwapchainKHR(context.device, &info, nullptr, &chain), context,
+           "create the window's swap-chain");
+  std::uint32_t count = 0;
+  context.vk.vkGetSwapchainImagesKHR(context.device, chain, &count, nullptr);
+  images.resize(count);
+  context.vk.vkGetSwapchainImagesKHR(context.device, chain, &count, images.data());
+  extent = new_extent;
+  pixels = Buffer();
+  pixels = Buffer(device, "window pixels", std::uint64_t{extent.width} * extent.height * 4, Memory::upload);
+}
+
+SwapChain::SwapChain(const Device& device, const MakeSurface& make_surface)
+    : state_(std::make_unique<State>(device)) {
+  State& state = *state_;
+  DeviceContext& context = state.context;
+  const VolkDeviceTable& vk = context.vk;
+  BRACE_CHECK(vk.vkCreateSwapchainKHR != nullptr);
+  state.surface = make_surface(context.instance->handle);
+  if (!state.surface) throw device_error("the window has no Vulkan surface; `brace run` needs no window");
+  VkBool32 presents = VK_FALSE;
+  vkGetPhysicalDeviceSurfaceSupportKHR(context.physical, context.queue_family, state.surface, &presents);
+  if (!presents) {
+    throw device_error("{} cannot show pictures in a window; choose another with --gpu, or use `brace run`",
+                       context.info.name);
+  }
+  state.format = choose_format(context, state.surface);
+  VkCommandPoolCreateInfo pool{VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO};
+  pool.queueFamilyIndex = context.queue_family;
+  check_vk(vk.vkCreateCommandPool(context.device, &pool, nullptr, &state.pool), context,
+           "create the window's command pool");
+  VkCommandBufferAllocateInfo buffer{VK_STRUCTURE_TYPE_COMMAND_BUFFER_ALLOCATE_INFO};
+  buffer.commandPool = state.pool;
+  buffer.level = VK_COMMAND_BUFFER_LEVEL_PRIMARY;
+  buffer.commandBufferCount = 1;
+  check_vk(vk.vkAllocateCommandBuffers(context.device, &buffer, &state.commands), context,
+           "allocate the window's commands");
+  const VkFenceCreateInfo fence{VK_STRUCTURE_TYPE_FENCE_CREATE_INFO};
+  for (VkFence* made : {&state.acquired, &state.done})
+    check_vk(vk.vkCreateFence(context.device, &fence, nullptr, made), context, "create the window's fence");
+}
+
+SwapChain::~SwapChain() = default;
+
+SwapChain::Size SwapChain::fit(int window_width_px, int window_height_px) {
+  State& state = *state_;
+  VkSurfaceCapabilitiesKHR capabilities{};
+  check_vk(vkGetPhysicalDeviceSurfaceCapabilitiesKHR(state.context.physical, state.surface, &capabilities),
+           state.context, "look at the window");
+  VkExtent2D extent = capabilities.currentExtent;
+  if (extent.width == 0xffffffffu) {  // the surface takes what it is given
+    extent.width = std::clamp(static_cast<std::uint32_t>(std::max(window_width_px, 0)),
+                              capabilities.minImageExtent.width, capabilities.maxImageExtent.width);
+    extent.height = std::clamp(static_cast<std::uint32_t>(std::max(window_height_px, 0)),
+                               capabilities.minImageExtent.height, capabilities.maxImageExtent.height);
+  }
+  if (extent.width == 0 || extent.height == 0) return {};
+  if (!state.chain || extent.width != state.extent.width || extent.height != state.extent.height)
+    state.make(extent, capabilities);
+  return {static_cast<int>(extent.width), static_cast<int>(extent.height)};
+}
+
+bool SwapChain::show(const ImageRgba8& picture) {
+  State& state = *state_;
+  DeviceContext& context = state.context;
+  const VolkDeviceTable& vk = context.vk;
+  BRACE_CHECK(state.chain && picture.width_px == static_cast<int>(state.extent.width) &&
+              picture.height_px == static_cast<int>(state.extent.height));
+  const std::span<Rgba8> pixels = state.pixels.mapped_as<Rgba8>();
+  const bool swap = state.format.format == VK_FORMAT_B8G8R8A8_UNORM;
+  std::transform(picture.pixels.begin(), picture.pixels.end(), pixels.begin(), [swap](Rgba8 p) {
+    return swap ? Rgba8{p.b, p.g, p.r, p.a} : p;
+  });
+
+  std::uint32_t index = 0;
+  check_vk(vk.vkResetFences(context.device, 1, &state.acquired), context, "reset the window's fence");
+  const VkResult acquired =
+      vk.vkAcquireNextImageKHR(context.device, state.chain, UINT64_MAX, nullptr, state.acquired, &index);
+  if (acquired == VK_ERROR_OUT_OF_DATE_KHR) {
+    state.drop_images();
+    return false;
+  }
+  check_vk(acquired, context, "take a picture of the window");
+  check_vk(vk.vkWaitForFences(context.device, 1, &state.acquired, VK_TRUE, UINT64_MAX), context,
+           "wait for a picture of the window");
+
+  check_vk(vk.vkResetCommandPool(context.device, state.pool, 0), context, "reset the window's commands");
+  VkCommandBufferBeginInfo begin{VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
+  begin.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;
+  check_vk(vk.vkBeginCommandBuffer(state.commands, &begin), context, "record the window's commands");
+  move_image(context, state.commands, state.images[index], VK_IMAGE_LAYOUT_UNDEFINED,
+             VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
+  VkBufferImageCopy region{};
+  region.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
+  region.imageExtent = {state.extent.width, state.extent.height, 1};
+  vk.vkCmdCopyBufferToImage(state.commands, state.pixels.handle(), state.images[index],
+                            VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &region);
+  move_image(context, state.commands, state.images[index], VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
+             VK_IMAGE_LAYOUT_PRESENT_SRC_KHR);
+  check_vk(vk.vkEndCommandBuffer(state.commands), context, "record the window's commands");
+  submit_commands(context, state.commands, state.done, "the window's picture");
+
+  VkPresentInfoKHR present{VK_STRUCTURE_TYPE_PRESENT_INFO_KHR};
+  present.swapchainCount = 1;
+  present.pSwapchains = &state.chain;
+  present.pImageIndices = &index;
+  const VkResult shown = vk.vkQueuePresentKHR(context.queue, &present);
+  if (shown == VK_ERROR_OUT_OF_DATE_KHR || shown == VK_SUBOPTIMAL_KHR) {
+    state.drop_images();
+    return shown == VK_SUBOPTIMAL_KHR;
+  }
+  check_vk(shown, context, "show a picture in the window");
+  return true;
+}
+
+}  // namespace brace::gpu

@@ -1,0 +1,162 @@
+// brace live on a virtual display.
+#include <cmath>
+#include <filesystem>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "base/image.hpp"
+#include "hmd_sim/trace_io.hpp"
+#include "tests/cli/command.hpp"
+
+namespace brace {
+namespace {
+
+using test::Outcome;
+using test::RunOptions;
+using test::Workplace;
+using ::testing::HasSubstr;
+
+const std::string session = R"([device]
+profile = "htc-vive"
+resolution_scale = 0.06
+tracker = "ideal"
+[trace]
+neck = { motion = "MOTION", degrees = 30, seconds = 1 }
+[scene]
+volume = "generator:nested_shells:24"
+transfer_function = "ct-soft-tissue"
+size_m = 0.5
+position = "front:0.7"
+[clock]
+cost = "model:gtx-1080"
+[output]
+images = "list:3"
+error = "none"
+[run]
+frames = 4
+)";
+
+class Live : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    for (const char* tool : {"/usr/bin/xvfb-run", "/usr/bin/xdotool"}) {
+      if (!std::filesystem::exists(tool)) GTEST_SKIP() << tool << " is not installed: no window to look at";
+    }
+    display_.on_virtual_display = true;
+  }
+  void write_session(const std::string& motion) {
+    std::string text = session;
+    text.replace(text.find("MOTION"), 6, motion);
+    place_.write("s.toml", text);
+  }
+  Workplace place_;
+  RunOptions display_;
+};
+
+TEST(LiveWithoutADisplay, SaysWhatToDo) {
+  const Workplace place;
+  place.write("s.toml", session);
+  RunOptions options;
+  options.environment = {{"DISPLAY", ""}, {"WAYLAND_DISPLAY", ""}};
+  const Outcome outcome = place.brace({"live", "s.toml", "--set", "trace.neck.motion=still"}, options);
+  EXPECT_EQ(outcome.exit_code, 3);
+  EXPECT_THAT(outcome.err, HasSubstr("xvfb-run"));
+  EXPECT_THAT(outcome.err, HasSubstr("brace run"));
+}
+
+TEST_F(Live, ShowsTheEyesThatTheReplayShows) {
+  write_session("still");
+  const Outcome run = place_.brace({"run", "s.toml", "--out", "run"});
+  ASSERT_EQ(run.exit_code, 0) << run.err;
+  const Outcome live =
+      place_.brace({"live", "s.toml", "--keep-scale", "--frames", "3", "--screenshot", "eyes.png"}, display_);
+  ASSERT_EQ(live.exit_code, 0) << live.err << live.out;
+  const ImageRgba8 both = read_png(place_ / "eyes.png");
+  int left = 0;
+  for (const char* eye : {"left", "right"}) {
+    const ImageRgba8 replayed = read_png(place_ / (std::string("run/images/000003_") + eye + ".png"));
+    ASSERT_EQ(both.height_px, replayed.height_px);
+    int differing = 0;
+    for (int y = 0; y < replayed.height_px; ++y)
+      for (int x = 0; x < replayed.width_px; ++x) {
+        const Rgba8 a = replayed.at(x, y), b = both.at(left + x, y);
+        differing += std::abs(a.r - b.r) > 1 || std::abs(a.g - b.g) > 1 || std::abs(a.b - b.b) > 1;
+      }
+    EXPECT_EQ(differing, 0) << eye;
+    left += replayed.width_px;
+  }
+  EXPECT_EQ(left, both.width_px);
+}
+
+TEST_F(Live, RecordsATraceThatReplaysToTheSamePoses) {
+  write_session("rotation");
+  const Outcome live =
+      place_.brace({"live", "s.toml", "--rate", "20", "--frames", "25", "--record", "head.trace"}, display_);
+  ASSERT_EQ(live.exit_code, 0) << live.err;
+  EXPECT_THAT(live.err, HasSubstr("25 poses in head.trace"));
+  const sim::PoseTrace recorded = sim::read_trace(place_ / "head.trace").trace;
+  ASSERT_EQ(recorded.poses().size(), 25U);
+  EXPECT_EQ(recorded.begin_time(), SimTime());
+  place_.write("again.toml", [&] {
+    std::string text = session;
+    const std::size_t at = text.find("neck = "), end = text.find('\n', at);
+    return text.replace(at, end - at, "file = \"head.trace\"");
+  }());
+  const Outcome again = place_.brace({"run", "again.toml", "--out", "again"});
+  EXPECT_EQ(again.exit_code, 0) << again.err;
+}
+
+TEST_F(Live, FollowsMouseAndKeysReloadsStagesAndSaysWhatDoesNotCompile) {
+  write_session("still");
+  ASSERT_EQ(place_.brace({"new-stage", "cast", "mine", "--out", "mine"}).exit_code, 0);
+  place_.write("drive.sh", R"(
+"$1" live s.toml --set pipeline.cast=mine --plugin-path mine --keep-scale --frames 2000 --screenshot eyes.png >live.log 2>&1 &
+live=$!
+for i in $(seq 100); do
+  window=$(xdotool search --name ' fps' 2>/dev/null | head -1); [ -n "$window" ] && break; sleep 0.1
+done
+xdotool mousemove 300 300
+xdotool key r; sleep 0.3
+xdotool mousedown 1
+for i in 1 2 3 4 5 6; do xdotool mousemove_relative 12 0; sleep 0.1; done
+xdotool mouseup 1; sleep 0.2
+xdotool key r; sleep 0.3
+cp mine/mine.glsl good
+echo 'no such thing' >>mine/mine.glsl
+for i in $(seq 50); do grep -q 'mine.glsl:' live.log && break; sleep 0.1; done
+sleep 1.1
+cp good mine/mine.glsl
+for i in $(seq 50); do grep -q 'reloaded' live.log && break; sleep 0.1; done
+xdotool key Escape
+wait $live
+)");
+  const Outcome outcome = place_.command({"/bin/bash", "drive.sh", BRACE_PROGRAM}, display_);
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err << place_.read("live.log");
+  const std::string log = place_.read("live.log");
+  EXPECT_THAT(log, HasSubstr("mine/mine.glsl:"));
+  EXPECT_THAT(log, HasSubstr("live: reloaded"));
+  EXPECT_TRUE(std::filesystem::exists(place_ / "eyes.png"));
+  // Dragged to the right by 72 pixels: about 0.29 rad.
+  const sim::PoseTrace trace = sim::read_trace(place_ / "live.trace").trace;
+  const auto yaw = [](const Pose& pose) {
+    const glm::dvec3 forward = pose.orientation * glm::dvec3(0.0, 0.0, -1.0);
+    return std::atan2(forward.x, -forward.z);
+  };
+  const double turned =
+      yaw(trace.poses().back().world_from_head) - yaw(trace.poses().front().world_from_head);
+  EXPECT_GT(turned, 0.15);
+  EXPECT_LT(turned, 0.35);
+}
+
+TEST_F(Live, RefusesWhatItCannotShow) {
+  place_.write("s.toml", session + "[compare]\nkey = 'run.seed'\nvalues = [1, 2]\n");
+  const Outcome compare = place_.brace({"live", "s.toml", "--set", "trace.neck.motion=still"}, display_);
+  EXPECT_EQ(compare.exit_code, 2);
+  EXPECT_THAT(compare.out + compare.err, HasSubstr("[compare]"));
+  EXPECT_EQ(place_.brace({"live", "no.toml"}, display_).exit_code, 2);
+  EXPECT_EQ(place_.brace({"live", "s.toml", "--rate", "0"}, display_).exit_code, 2);
+}
+
+}  // namespace
+}  // namespace brace

@@ -1,0 +1,87 @@
+#include "tools/live/live_eyes.hpp"
+
+#include "base/error.hpp"
+#include "runtime/replay/scene_activation.hpp"
+
+namespace brace {
+
+LiveEyes::State::State(const gpu::Device& device, const ReplayOptions& options, Session taken,
+                       const Pose& first_pose, std::shared_ptr<SceneOnDevice> loaded)
+    : session(std::move(taken)),
+      headset(make_headset(session.device, options.data_folder)),
+      placement(place_volume(session.scene, first_pose)),
+      scene(loaded
+                ? std::move(loaded)
+                : std::shared_ptr<SceneOnDevice>(load_scene(device, session, options, headset, placement))),
+      renderer(device, session, headset, *scene, placement, options.data_folder, EyeRenderer::Counting::on),
+      display(device, headset, session.pipeline.at("warp"), options.no_warp,
+              scene_activation(device, session, headset, *scene, placement), options.data_folder),
+      eyes(make_eye_pair(device, headset.eye)) {}
+
+LiveEyes::LiveEyes(const gpu::Device& device, const ReplayOptions& options, ReadSession read,
+                   const Pose& first_pose)
+    : device_(device),
+      options_(options),
+      read_(std::move(read)),
+      first_pose_(first_pose),
+      now_(std::make_unique<State>(device, options, read_(), first_pose, nullptr)),
+      scene_stamps_(scene_stamps()),
+      kernel_stamps_(kernel_stamps()) {}
+
+LiveEyes::Times LiveEyes::show(const Pose& render_pose, const Pose& warp_pose) {
+  const JobOutcome cast = now_->renderer.render(render_pose, now_->eyes);
+  const JobOutcome warp = now_->display.show({now_->eyes, render_pose, warp_pose});
+  return {to_s(cast.device_time) * 1e3, to_s(warp.device_time) * 1e3, cast.work};
+}
+
+namespace {
+
+void add_stamp(std::vector<std::pair<std::filesystem::path, std::filesystem::file_time_type>>& stamps,
+               const std::filesystem::path& file) {
+  std::error_code none;
+  const auto time = std::filesystem::last_write_time(file, none);
+  if (!none) stamps.emplace_back(file, time);
+}
+
+}  // namespace
+
+LiveEyes::Stamps LiveEyes::scene_stamps() const {
+  Stamps stamps;
+  add_stamp(stamps, session().file);
+  add_stamp(stamps, session().scene.transfer_function);
+  for (const auto& [family, chosen] : session().pipeline)
+    add_stamp(stamps, chosen.stage.origin);
+  add_stamp(stamps, session().pipeline.at("skip").stage.glsl_source);
+  return stamps;
+}
+
+LiveEyes::Stamps LiveEyes::kernel_stamps() const {
+  Stamps stamps;
+  for (const auto& [family, chosen] : session().pipeline) {
+    if (chosen.stage.glsl_source.empty()) continue;
+    std::error_code none;
+    for (const auto& entry :
+         std::filesystem::directory_iterator(chosen.stage.glsl_source.parent_path(), none))
+      add_stamp(stamps, entry.path());
+  }
+  return stamps;
+}
+
+std::optional<std::string> LiveEyes::reload_if_saved() {
+  Stamps scene = scene_stamps(), kernels = kernel_stamps();
+  const bool same_scene = scene == scene_stamps_;
+  if (same_scene && kernels == kernel_stamps_) return std::nullopt;
+  scene_stamps_ = std::move(scene);
+  kernel_stamps_ = std::move(kernels);
+  try {
+    auto next =
+        std::make_unique<State>(device_, options_, read_(), first_pose_, same_scene ? now_->scene : nullptr);
+    now_ = std::move(next);
+    ++reloads_;
+    return std::string();
+  } catch (const Error& error) {
+    return error.what();
+  }
+}
+
+}  // namespace brace

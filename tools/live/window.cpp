@@ -1,0 +1,107 @@
+#include "tools/live/window.hpp"
+
+#include <algorithm>
+
+#include <vulkan/vulkan_core.h>
+// After Vulkan's own types, so that GLFW declares its functions for them.
+#include <GLFW/glfw3.h>
+
+#include "base/error.hpp"
+
+namespace brace {
+
+namespace {
+
+constexpr double rad_per_px = 0.004;
+
+[[noreturn]] void no_window(const std::string& why) {
+  throw device_error(
+      "live: cannot open a window ({}); without a display: xvfb-run brace live SESSION.toml --frames 60 "
+      "--screenshot eyes.png, or `brace run`, which needs none",
+      why);
+}
+
+std::string glfw_words() {
+  const char* words = nullptr;
+  glfwGetError(&words);
+  return words != nullptr ? words : "no reason given";
+}
+
+}  // namespace
+
+LiveWindow::LiveWindow(int width_px, int height_px, const std::string& title) {
+  if (glfwInit() != GLFW_TRUE) no_window(glfw_words());
+  glfwWindowHint(GLFW_CLIENT_API, GLFW_NO_API);
+  window_ = glfwCreateWindow(width_px, height_px, title.c_str(), nullptr, nullptr);
+  if (window_ == nullptr || glfwVulkanSupported() != GLFW_TRUE) {
+    const std::string why = glfw_words();
+    glfwTerminate();
+    no_window(why);
+  }
+  glfwSetWindowUserPointer(window_, this);
+  glfwSetKeyCallback(window_, on_key);
+}
+
+LiveWindow::~LiveWindow() {
+  glfwDestroyWindow(window_);
+  glfwTerminate();
+}
+
+std::vector<std::string> LiveWindow::vulkan_extensions() const {
+  std::uint32_t count = 0;
+  const char** names = glfwGetRequiredInstanceExtensions(&count);
+  return std::vector<std::string>(names, names + count);
+}
+
+gpu::MakeSurface LiveWindow::make_surface() const {
+  return [window = window_](VkInstance_T* instance) {
+    VkSurfaceKHR surface = nullptr;
+    return glfwCreateWindowSurface(instance, window, nullptr, &surface) == VK_SUCCESS ? surface : nullptr;
+  };
+}
+
+void LiveWindow::on_key(GLFWwindow* window, int key, int, int action, int) {
+  if (action == GLFW_PRESS)
+    static_cast<LiveWindow*>(glfwGetWindowUserPointer(window))->pressed_.push_back(key);
+}
+
+double LiveWindow::held(int key) const {
+  return glfwGetKey(window_, key) == GLFW_PRESS ? 1.0 : 0.0;
+}
+
+bool LiveWindow::poll() {
+  pressed_.clear();
+  glfwPollEvents();
+  head_ = {};
+  head_.right =
+      std::max(held(GLFW_KEY_D), held(GLFW_KEY_RIGHT)) - std::max(held(GLFW_KEY_A), held(GLFW_KEY_LEFT));
+  head_.forward =
+      std::max(held(GLFW_KEY_W), held(GLFW_KEY_UP)) - std::max(held(GLFW_KEY_S), held(GLFW_KEY_DOWN));
+  head_.up = held(GLFW_KEY_E) - held(GLFW_KEY_Q);
+  double x = 0.0, y = 0.0;
+  glfwGetCursorPos(window_, &x, &y);
+  const bool button = glfwGetMouseButton(window_, GLFW_MOUSE_BUTTON_LEFT) == GLFW_PRESS;
+  if (button && dragging_) {
+    head_.turn_right_rad = (x - mouse_x_) * rad_per_px;
+    head_.turn_up_rad = (mouse_y_ - y) * rad_per_px;
+  }
+  dragging_ = button;
+  mouse_x_ = x;
+  mouse_y_ = y;
+  const bool escape = std::find(pressed_.begin(), pressed_.end(), GLFW_KEY_ESCAPE) != pressed_.end();
+  return glfwWindowShouldClose(window_) == GLFW_FALSE && !escape;
+}
+
+bool LiveWindow::pressed(char key) const {
+  return std::find(pressed_.begin(), pressed_.end(), static_cast<int>(key)) != pressed_.end();
+}
+
+void LiveWindow::size(int& width_px, int& height_px) const {
+  glfwGetFramebufferSize(window_, &width_px, &height_px);
+}
+
+void LiveWindow::set_title(const std::string& title) {
+  glfwSetWindowTitle(window_, title.c_str());
+}
+
+}  // namespace brace

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "runtime/gpu/swap_chain.hpp"
+#include "tools/live/head_control.hpp"
+
+struct GLFWwindow;
+
+namespace brace {
+
+/// A window of the desktop (GLFW), and what is done in it.
+class LiveWindow {
+ public:
+  /// Throws device_error where there is no display, naming Xvfb and `brace run`.
+  LiveWindow(int width_px, int height_px, const std::string& title);
+  ~LiveWindow();
+  LiveWindow(const LiveWindow&) = delete;
+  LiveWindow& operator=(const LiveWindow&) = delete;
+
+  /// Of the window system, for DeviceOptions.
+  std::vector<std::string> vulkan_extensions() const;
+  gpu::MakeSurface make_surface() const;
+
+  /// Takes what has happened; false once the window is to be closed.
+  bool poll();
+  /// Since the last poll().
+  const HeadInput& head() const { return head_; }
+  bool pressed(char key) const;  // letters in upper case, ' '
+
+  void size(int& width_px, int& height_px) const;
+  void set_title(const std::string& title);
+
+ private:
+  static void on_key(GLFWwindow* window, int key, int code, int action, int mods);
+  double held(int key) const;
+
+  GLFWwindow* window_ = nullptr;
+  HeadInput head_;
+  std::vector<int> pressed_;
+  double mouse_x_ = 0.0, mouse_y_ = 0.0;
+  bool dragging_ = false;
+};
+
+}  // namespace brace
