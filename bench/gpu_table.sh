@@ -11,7 +11,7 @@ volume=${3:-}
 mkdir -p "$folder"
 
 "$brace" doctor | tee "$folder/device.txt"
-for name in raycast distort integrators host costs replay skip; do
+for name in raycast distort warp mab integrators host costs replay schedule skip; do
   echo "== brace bench $name"
   options=()
   [ "$name" = replay ] && options=(--quick)  # one core of the host: not what this table is about

@@ -2,6 +2,7 @@ brace_library(bench_skip
   skip.cpp
   skip_frames.cpp
   skip_published.cpp
+  skip_octants.cpp
   skip_plot.cpp
   skip_scenes.cpp
   skip_text.cpp

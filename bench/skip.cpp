@@ -9,6 +9,7 @@
 #include "base/error.hpp"
 #include "base/suggest.hpp"
 #include "bench/skip_frames.hpp"
+#include "bench/skip_octants.hpp"
 #include "bench/skip_published.hpp"
 #include "bench/skip_scenes.hpp"
 #include "bench/skip_threshold.hpp"
@@ -211,7 +212,7 @@ std::vector<std::string> published_lines(const std::filesystem::path& file) {
 
 SkipBenchResult bench_skip(const SkipBenchOptions& options) {
   check_names("scene", options.scenes, {"head", "insect", "snake", "none"});
-  check_names("part", options.parts, {"updates", "frames", "threshold"});
+  check_names("part", options.parts, {"updates", "frames", "threshold", "octants"});
   const gpu::Device device(options.device);
   SkipKernels kernels(device, options.data_folder / "kernels/skip");
   SkipBenchResult result;
@@ -238,6 +239,7 @@ SkipBenchResult bench_skip(const SkipBenchOptions& options) {
   }
   if (has(options.parts, "threshold"))
     result.thresholds = bench::measure_thresholds(device, kernels, options);
+  if (has(options.parts, "octants")) result.octants = bench::count_octants(options);
   return result;
 }
 

@@ -16,7 +16,7 @@ struct SkipBenchOptions {
   std::filesystem::path data_folder;  // share/brace: bench/, glsl/, kernels/, stages/
   std::vector<std::string> volumes;   // files or generators for frame times beside the generated ones
   std::vector<std::string> scenes = {"head", "insect", "snake"};
-  std::vector<std::string> parts = {"updates", "frames", "threshold"};
+  std::vector<std::string> parts = {"updates", "frames", "threshold", "octants"};
   std::vector<int> partitions = {16, 32, 64, 128, 256};
   int divisor = 1;      // of the volumes' edges, to be quick
   int repetitions = 5;  // of each update; the least counts
@@ -68,6 +68,14 @@ struct SkipThresholdRow {
   double none_ms = 0, block_ms = 0, distance_ms = 0;
 };
 
+/// Leaps per ray over empty blocks, mean; see bench/skip_octants.hpp.
+struct SkipOctantRow {
+  std::string scene;
+  int tf = 1;
+  double leaps_all = 0;     // one distance for all directions
+  double leaps_octant = 0;  // one per octant: eight times the memory, and as many transforms
+};
+
 struct SkipBenchResult {
   std::string device;
   double host_load = 0;
@@ -76,6 +84,7 @@ struct SkipBenchResult {
   std::vector<SkipUpdateRow> updates;
   std::vector<SkipFrameRow> frames;
   std::vector<SkipThresholdRow> thresholds;
+  std::vector<SkipOctantRow> octants;
   std::vector<std::string> published;  // lines of Table 1
 };
 

@@ -140,6 +140,15 @@ std::string thresholds_text(const SkipBenchResult& result) {
   return text;
 }
 
+std::string octants_text(const SkipBenchResult& result) {
+  std::string text = fmt::format("{:8}{:>4}{:>22}{:>22}{:>8}\n", "scene", "TF", "one for all directions",
+                                 "one per octant", "ratio");
+  for (const SkipOctantRow& row : result.octants)
+    text += fmt::format("{:8}{:4}{:22.1f}{:22.1f}{:7.2f}x\n", row.scene, row.tf, row.leaps_all,
+                        row.leaps_octant, row.leaps_all / row.leaps_octant);
+  return text;
+}
+
 }  // namespace
 
 std::string to_text(const SkipBenchResult& result) {
@@ -158,6 +167,11 @@ std::string to_text(const SkipBenchResult& result) {
   if (!result.thresholds.empty())
     text +=
         "Where skipping stops to pay: frames over the share of occupied blocks\n" + thresholds_text(result);
+  if (!result.octants.empty())
+    text +=
+        "\nLeaps per ray over empty blocks; a distance per octant takes eight times the memory and "
+        "transforms\n" +
+        octants_text(result);
   return text;
 }
 
@@ -204,6 +218,11 @@ std::string to_json(const SkipBenchResult& result) {
                                   {"none_ms", row.none_ms},
                                   {"block_ms", row.block_ms},
                                   {"distance_ms", row.distance_ms}});
+  for (const SkipOctantRow& row : result.octants)
+    json["octants"].push_back({{"scene", row.scene},
+                               {"tf", row.tf},
+                               {"leaps_all", row.leaps_all},
+                               {"leaps_octant", row.leaps_octant}});
   return json.dump(2);
 }
 

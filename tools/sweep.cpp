@@ -44,6 +44,7 @@ void print_counts(const SweepCounts& counts, const fs::path& out, bool json) {
              counts.crashed);
   fmt::print("  {:<10}{}\n", "results", (out / "results.sqlite").string());
   fmt::print("  {:<10}{}\n", "", (out / "results.csv").string());
+  fmt::print("  {:<10}{}\n", "page", (out / "report.html").string());
 }
 
 }  // namespace
@@ -60,6 +61,7 @@ int sweep_command(const SweepCommand& command) {
   options.program = "/proc/self/exe";  // this very program, even if another one is installed meanwhile
   options.arguments = arguments_of(command);
   options.version = BRACE_VERSION;
+  options.page_folder = data_folder() / "report";
   options.jobs = command.jobs;
   options.retry_failed = command.retry_failed;
   options.keep_runs = command.keep_runs;

@@ -4,44 +4,15 @@
 #include <iterator>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "base/error.hpp"
+#include "base/suggest.hpp"
 #include "runtime/report/output_file.hpp"
 #include "runtime/report/page_data.hpp"
 #include "runtime/report/text_file.hpp"
 
 namespace brace {
-
-namespace {
-
-// JSON inside a <script> element: no "<" may stay, or "</script>" in a string would end the element.
-std::string script_safe(const Json& json) {
-  const std::string text = json.dump(-1, ' ', false, Json::error_handler_t::replace);
-  std::string safe;
-  safe.reserve(text.size());
-  for (const char c : text) {
-    if (c == '<') {
-      safe += "\\u003c";
-    } else {
-      safe += c;
-    }
-  }
-  return safe;
-}
-
-// What stands for "{{name}}" in the template.
-std::string part(std::string_view name, const ReportInput& input, const std::filesystem::path& page_folder,
-                 const std::filesystem::path& pictures_folder) {
-  if (name == "style") return read_text_file(page_folder / "report.css");
-  if (name == "chart_library") return read_text_file(page_folder / "chart.min.js");
-  if (name == "charts") return read_text_file(page_folder / "charts.js");
-  if (name == "script") return read_text_file(page_folder / "report.js");
-  if (name == "data") return script_safe(page_data(input, pictures_folder));
-  throw input_error("{}: unknown placeholder '{}'; accepted: style, chart_library, charts, script, data",
-                    (page_folder / "report.html").string(), name);
-}
-
-}  // namespace
 
 std::string read_text_file(const std::filesystem::path& path) {
   std::ifstream stream(path, std::ios::binary);
@@ -53,20 +24,54 @@ std::string read_text_file(const std::filesystem::path& path) {
   return text;
 }
 
-void write_page(const std::filesystem::path& path, const ReportInput& input,
-                const std::filesystem::path& page_folder, const std::filesystem::path& pictures_folder) {
-  const std::string page = read_text_file(page_folder / "report.html");
+// No "<" may stay, or "</script>" in a string would end the element.
+std::string script_safe(const std::string& json) {
+  std::string safe;
+  safe.reserve(json.size());
+  for (const char c : json) {
+    if (c == '<') {
+      safe += "\\u003c";
+    } else {
+      safe += c;
+    }
+  }
+  return safe;
+}
+
+void write_template(const std::filesystem::path& path, const std::filesystem::path& page,
+                    const std::map<std::string, std::string, std::less<>>& parts) {
+  const std::string text = read_text_file(page);
   OutputFile file(path);
-  std::string_view rest = page;
+  std::string_view rest = text;
   for (std::size_t begin; (begin = rest.find("{{")) != std::string_view::npos;) {
     const std::size_t end = rest.find("}}", begin);
     if (end == std::string_view::npos) break;
+    const std::string_view name = rest.substr(begin + 2, end - begin - 2);
+    const auto part = parts.find(name);
+    if (part == parts.end()) {
+      std::vector<std::string> names;
+      for (const auto& [known, ignored] : parts)
+        names.push_back(known);
+      throw input_error("{}: unknown placeholder '{}'; accepted: {}", page.string(), name, join(names));
+    }
     file.write(rest.substr(0, begin));
-    file.write(part(rest.substr(begin + 2, end - begin - 2), input, page_folder, pictures_folder));
+    file.write(part->second);
     rest.remove_prefix(end + 2);
   }
   file.write(rest);
   file.close();
+}
+
+void write_page(const std::filesystem::path& path, const ReportInput& input,
+                const std::filesystem::path& page_folder, const std::filesystem::path& pictures_folder) {
+  const auto text = [&](const char* name) { return read_text_file(page_folder / name); };
+  write_template(path, page_folder / "report.html",
+                 {{"style", text("report.css")},
+                  {"chart_library", text("chart.min.js")},
+                  {"charts", text("charts.js")},
+                  {"script", text("report.js")},
+                  {"data", script_safe(page_data(input, pictures_folder)
+                                           .dump(-1, ' ', false, Json::error_handler_t::replace))}});
 }
 
 }  // namespace brace

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <filesystem>
+#include <map>
+#include <string>
 
 #include "runtime/report/report_input.hpp"
 
@@ -17,5 +19,13 @@ inline constexpr std::size_t page_picture_vsyncs = 12;  // with both eyes' pictu
 /// Throws brace::Error naming a template file or picture that cannot be read (exit code 2).
 void write_page(const std::filesystem::path& path, const ReportInput& input,
                 const std::filesystem::path& page_folder, const std::filesystem::path& pictures_folder);
+
+/// A page from any template: every {{name}} becomes the part of that name. Throws brace::Error for a template
+/// that cannot be read or asks for another part.
+void write_template(const std::filesystem::path& path, const std::filesystem::path& page,
+                    const std::map<std::string, std::string, std::less<>>& parts);
+
+/// JSON as it may stand inside a <script> element.
+std::string script_safe(const std::string& json);
 
 }  // namespace brace

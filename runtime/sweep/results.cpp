@@ -1,6 +1,7 @@
 #include "runtime/sweep/results.hpp"
 
 #include <algorithm>
+#include <cstdlib>
 
 #include <fmt/format.h>
 
@@ -234,6 +235,24 @@ SweepCounts SweepResults::counts() {
     if (status == "crashed") counts.crashed = count;
   }
   return counts;
+}
+
+std::vector<SweepRow> SweepResults::rows() {
+  std::string names = "point, repeat, seed, status, message";
+  for (const std::string& name : sweep_figure_names())
+    names += ", " + sql_name(name);
+  Statement select(database_, "SELECT " + names + " FROM results ORDER BY point, repeat");
+  std::vector<SweepRow> rows;
+  while (select.step()) {
+    SweepRow row{
+        {select.integer(0), select.integer(1), select.integer(2)}, select.text(3), select.text(4), {}};
+    for (std::size_t i = 0; i < sweep_figure_names().size(); ++i) {
+      const std::string text = select.value_text(static_cast<int>(5 + i));
+      row.figures.push_back(text.empty() ? std::nullopt : std::optional(std::strtod(text.c_str(), nullptr)));
+    }
+    rows.push_back(std::move(row));
+  }
+  return rows;
 }
 
 void SweepResults::write_csv(const std::filesystem::path& file) {

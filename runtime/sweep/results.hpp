@@ -32,6 +32,13 @@ struct SweepOutcome {
 };
 const char* name_of(SweepOutcome::Status status);
 
+/// A run as it is recorded.
+struct SweepRow {
+  SweepRun run;
+  std::string status, message;
+  std::vector<std::optional<double>> figures;  // in the order of sweep_figure_names()
+};
+
 /// A point with the session that it stands for.
 struct PlannedPoint {
   SweepPoint point;
@@ -60,6 +67,8 @@ class SweepResults {
   /// Failed and crashed runs are pending again.
   void retry_failed();
   SweepCounts counts();
+  /// By point and repetition.
+  std::vector<SweepRow> rows();
 
   /// point,repeat,seed,status,exit_code,signal,message, a column per key, a column per figure; a row per run.
   /// Replaces the file in one step.

@@ -13,6 +13,7 @@
 #include "runtime/report/text_file.hpp"
 #include "runtime/sweep/child_process.hpp"
 #include "runtime/sweep/sweep_folder.hpp"
+#include "runtime/sweep/sweep_page.hpp"
 
 namespace brace {
 
@@ -174,6 +175,11 @@ SweepCounts run_sweep(const SweepFile& sweep, const std::vector<PlannedPoint>& p
   run_all(all, std::move(together), options.jobs);
   run_all(all, std::move(alone), 1);
   results.write_csv(place.csv());
+  if (!options.page_folder.empty()) {
+    const fs::path partial = place.page().string() + ".partial";
+    write_sweep_page(partial, sweep, results.rows(), options.version, options.page_folder);
+    fs::rename(partial, place.page());
+  }
   return results.counts();
 }
 

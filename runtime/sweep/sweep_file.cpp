@@ -8,6 +8,7 @@
 #include <fmt/format.h>
 
 #include "base/error.hpp"
+#include "base/suggest.hpp"
 #include "base/toml_file.hpp"
 #include "runtime/report/text_file.hpp"
 
@@ -106,6 +107,18 @@ std::int64_t repeat_of(const toml::table& top, const std::string& file) {
   return integer->get();
 }
 
+/// The key named by 'knob', one of those that vary; "" without it.
+std::string knob_at(const toml::table& top, const std::vector<std::string>& keys, const std::string& file) {
+  const toml::node* node = top.get("knob");
+  if (node == nullptr) return "";
+  const auto key = node->value<std::string>();
+  if (!key || std::find(keys.begin(), keys.end(), *key) == keys.end()) {
+    throw input_error("{}: 'knob' wants one of the keys that vary; accepted: {}", place_of(*node, file),
+                      join(keys));
+  }
+  return *key;
+}
+
 using Settings = std::vector<SweepSetting>;
 
 void check_count(std::size_t count, const std::string& file) {
@@ -172,7 +185,7 @@ std::string to_text(const SweepValue& value) {
 SweepFile parse_sweep(const std::string& text, const std::filesystem::path& file) {
   const std::string name = file.string();
   const toml::table top = parse_toml(text, name);
-  reject_unknown_keys(top, name, "", {"session", "repeat", "set", "grid", "point"});
+  reject_unknown_keys(top, name, "", {"session", "repeat", "knob", "set", "grid", "point"});
   SweepFile sweep;
   sweep.file = file;
   sweep.session =
@@ -189,6 +202,7 @@ SweepFile parse_sweep(const std::string& text, const std::filesystem::path& file
   }
   if (sweep.keys.empty())
     throw input_error("{}: there is nothing to vary; accepted: [grid], [[point]]", name);
+  sweep.knob = knob_at(top, sweep.keys, name);
   for (const Settings& entry : listed) {
     for (const Settings& point : grid) {
       SweepPoint all{fmt::format("{}: point {}", name, sweep.points.size() + 1), common};

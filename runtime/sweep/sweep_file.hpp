@@ -37,6 +37,7 @@ struct SweepFile {
   std::filesystem::path session;  // absolute
   std::int64_t repeat = 1;        // runs per point; run k of a point has the session's seed + k - 1
   std::vector<std::string> keys;  // that differ between points, in the file's order
+  std::string knob;               // of them, the one that moves along a method's curve; "": not said
   std::vector<SweepPoint> points;
 };
 

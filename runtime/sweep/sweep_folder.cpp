@@ -19,8 +19,9 @@ namespace fs = std::filesystem;
 namespace {
 
 void refuse_foreign(const fs::path& folder) {
-  constexpr std::array<std::string_view, 6> ours = {
-      "results.sqlite", "results.sqlite-journal", "results.csv", "results.csv.partial", "runs", "work"};
+  constexpr std::array<std::string_view, 8> ours = {
+      "results.sqlite", "results.sqlite-journal", "results.csv", "results.csv.partial",
+      "report.html",    "report.html.partial",    "runs",        "work"};
   bool has_results = fs::is_empty(folder);
   std::string foreign;
   for (const auto& entry : fs::directory_iterator(folder)) {

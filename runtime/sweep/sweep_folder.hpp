@@ -16,6 +16,7 @@ class SweepFolder {
 
   std::filesystem::path results() const { return folder_ / "results.sqlite"; }
   std::filesystem::path csv() const { return folder_ / "results.csv"; }
+  std::filesystem::path page() const { return folder_ / "report.html"; }
   std::filesystem::path runs() const { return folder_ / "runs"; }
   std::filesystem::path work() const { return folder_ / "work"; }
 

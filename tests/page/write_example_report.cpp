@@ -1,11 +1,13 @@
 // Writes report pages with made-up records into a folder, to look at and for page_test.sh:
 //   write_example_report PAGE_FOLDER OUT_FOLDER
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
 
 #include "base/error.hpp"
 #include "base/image.hpp"
 #include "runtime/report/page.hpp"
+#include "runtime/sweep/sweep_page.hpp"
 #include "tests/unit/report/made_up_run.hpp"
 
 namespace brace {
@@ -70,6 +72,28 @@ void write_empty(const std::filesystem::path& page_folder, const std::filesystem
   write_page(out / "one_vsync.html", input, page_folder, out);
 }
 
+void write_sweep(const std::filesystem::path& page_folder, const std::filesystem::path& out) {
+  const SweepFile sweep = parse_sweep(
+      "session = 'demo.toml'\n[grid]\npipeline.skip = ['none', 'block', 'distance_map']\n"
+      "stage.dvr.step_voxels = [0.25, 0.5, 1, 2, 4]\n",
+      "made_up.toml");
+  std::vector<SweepRow> rows;
+  for (std::int64_t point = 1; point <= 15; ++point) {
+    const double step = 0.25 * std::pow(2.0, static_cast<double>((point - 1) % 5));
+    const double cost = point <= 5 ? 8.0 : point <= 10 ? 3.0 : 1.0;
+    SweepRow row{{point, 1, 1}, point == 7 ? "failed" : "done", point == 7 ? "made to fail" : "", {}};
+    for (const std::string& name : sweep_figure_names()) {
+      std::optional<double> figure = cost / step;
+      if (name.rfind("dssim", 0) == 0) figure = step <= 0.25 ? 0.0 : 0.004 * step * step;
+      if (name == "samples") figure = 1e6 * cost / step;
+      if (row.status != "done") figure.reset();
+      row.figures.push_back(figure);
+    }
+    rows.push_back(row);
+  }
+  write_sweep_page(out / "sweep.html", sweep, rows, "made up", page_folder);
+}
+
 }  // namespace
 }  // namespace brace
 
@@ -84,6 +108,7 @@ int main(int argc, char** argv) {
     brace::write_comparison(argv[1], argv[2]);
     brace::write_long(argv[1], argv[2]);
     brace::write_empty(argv[1], argv[2]);
+    brace::write_sweep(argv[1], argv[2]);
   } catch (const brace::Error& e) {
     std::fprintf(stderr, "%s\n", e.what());
     return static_cast<int>(e.exit_code());

@@ -18,6 +18,11 @@
 
 namespace brace {
 
+/// An eye turned by yaw, then by pitch.
+inline Pose turned(double yaw_rad, double pitch_rad, const glm::dvec3& position = {}) {
+  return {quat_exp({0, yaw_rad, 0}) * quat_exp({pitch_rad, 0, 0}), position};
+}
+
 /// A source picture on the host: a packed RGBA8 per pixel.
 struct Picture {
   SourcePicture shape;

@@ -32,10 +32,6 @@ PanelEye panel() {
   return eye;
 }
 
-Pose turned(double yaw_rad, double pitch_rad, const glm::dvec3& position = {}) {
-  return {quat_exp({0, yaw_rad, 0}) * quat_exp({pitch_rad, 0, 0}), position};
-}
-
 TEST_F(Warp, QuadMatchesTheDoubleReference) {
   const PanelEye eye = panel();
   const Picture picture = noise_picture(200, 190, eye.fov);

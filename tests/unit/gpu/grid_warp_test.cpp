@@ -12,7 +12,7 @@ namespace {
 
 constexpr float none = std::numeric_limits<float>::infinity();
 
-PanelEye panel() {
+PanelEye flat_panel() {
   const sim::FovTangents fov{-1.0, 1.0, -1.0, 1.0};
   return {160, 160, sim::identity_lens(fov), fov};
 }
@@ -74,12 +74,8 @@ class GridWarp : public gpu::GpuTest {
   }
 };
 
-Pose turned(double yaw_rad, double pitch_rad, const glm::dvec3& position = {}) {
-  return {quat_exp({0, yaw_rad, 0}) * quat_exp({pitch_rad, 0, 0}), position};
-}
-
 TEST_F(GridWarp, ShowsAPlaneAsTheNewPoseSeesIt) {
-  const PanelEye eye = panel();
+  const PanelEye eye = flat_panel();
   const Plane planes[] = {
       {{0, 0, 1}, -1.0}, {{0, 0, 1}, -0.4}, {glm::normalize(glm::dvec3(0.4, 0.1, 1)), -0.8}};
   const std::pair<Pose, Pose> poses[] = {
@@ -110,7 +106,7 @@ TEST_F(GridWarp, ShowsAPlaneAsTheNewPoseSeesIt) {
 }
 
 TEST_F(GridWarp, WithoutMotionIsThePictureWhateverTheDepths) {
-  const PanelEye eye = panel();
+  const PanelEye eye = flat_panel();
   const Picture picture = noise_picture(180, 170, eye.fov);
   std::mt19937 random(5);
   std::vector<float> depths_m;
@@ -122,7 +118,7 @@ TEST_F(GridWarp, WithoutMotionIsThePictureWhateverTheDepths) {
 }
 
 TEST_F(GridWarp, UnderRotationAloneIsTheQuad) {
-  const PanelEye eye = panel();
+  const PanelEye eye = flat_panel();
   const Picture picture = noise_picture(180, 170, eye.fov);
   const std::vector<float> depths_m(picture.pixels.size(), 0.7f);
   const Pose old_eye = turned(0.2, 0.1), new_eye = turned(0.25, 0.06);
@@ -133,7 +129,7 @@ TEST_F(GridWarp, UnderRotationAloneIsTheQuad) {
 /// A near square before a far wall; the eye moves right, and wall comes out at the square's left edge... on
 /// the side that the old eye could not see.
 TEST_F(GridWarp, WhatComesOutBehindAnEdgeIsShownAsBackgroundAndCounted) {
-  const PanelEye eye = panel();
+  const PanelEye eye = flat_panel();
   Picture picture{{400, 400, {-1.2, 1.2, -1.2, 1.2}}, {}};
   std::vector<float> depths_m;
   for (int y = 0; y < 400; ++y)
@@ -172,7 +168,7 @@ TEST_F(GridWarp, WhatComesOutBehindAnEdgeIsShownAsBackgroundAndCounted) {
 }
 
 TEST_F(GridWarp, AnEmptyPictureStaysItAndExtremesNeverReadOutside) {
-  const PanelEye eye = panel();
+  const PanelEye eye = flat_panel();
   Picture white = noise_picture(100, 90, eye.fov);
   std::fill(white.pixels.begin(), white.pixels.end(), 0xffffffffu);
   std::mt19937 random(3);

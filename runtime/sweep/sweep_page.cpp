@@ -1,0 +1,220 @@
+#include "runtime/sweep/sweep_page.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <set>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "base/error.hpp"
+#include "runtime/report/page.hpp"
+#include "runtime/report/text_file.hpp"
+#include "runtime/sweep/work_precision.hpp"
+
+namespace brace {
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct Axis {
+  const char *figure, *label, *unit;
+};
+constexpr std::array works{Axis{"cast_ms_p50", "cast, p50", "ms"}, Axis{"cast_ms_p95", "cast, p95", "ms"},
+                           Axis{"samples", "samples per eye frame", ""},
+                           Axis{"rays", "rays per eye frame", ""}};
+constexpr std::array errors{Axis{"dssim_mean", "DSSIM, mean", ""}, Axis{"dssim_p95", "DSSIM, p95", ""},
+                            Axis{"dssim_max", "DSSIM, max", ""}};
+constexpr double period_ms = 1e3 / 90.0;
+
+/// All repetitions of a point.
+struct PagePoint {
+  std::int64_t point = 0;
+  std::string method, knob, status, message;
+  std::vector<std::string> settings;      // in the order of the sweep's keys
+  std::map<std::string, double> figures;  // NaN where none
+};
+
+const SweepValue& value_at(const SweepPoint& point, const std::string& key) {
+  const auto found = std::find_if(point.settings.rbegin(), point.settings.rend(),
+                                  [&](const SweepSetting& setting) { return setting.key == key; });
+  static const SweepValue none = std::string();
+  return found == point.settings.rend() ? none : found->value;
+}
+
+std::string method_of(const SweepFile& sweep, const SweepPoint& point, const std::string& knob) {
+  std::string method;
+  for (const std::string& key : sweep.keys) {
+    const std::string text = to_text(value_at(point, key));
+    if (key == knob || text.empty()) continue;
+    const std::string name = key.substr(key.rfind('.') + 1);
+    method += (method.empty() ? "" : ", ") + name + " " + text;
+  }
+  return method.empty() ? "all points" : method;
+}
+
+/// done where one repetition is, else what the last one came to.
+std::vector<PagePoint> gather(const SweepFile& sweep, const std::vector<SweepRow>& rows,
+                              const std::string& knob) {
+  std::vector<PagePoint> points;
+  for (std::size_t i = 0; i < sweep.points.size(); ++i) {
+    PagePoint point;
+    point.point = static_cast<std::int64_t>(i + 1);
+    point.method = method_of(sweep, sweep.points[i], knob);
+    if (!knob.empty()) point.knob = to_text(value_at(sweep.points[i], knob));
+    for (const std::string& key : sweep.keys)
+      point.settings.push_back(to_text(value_at(sweep.points[i], key)));
+    std::vector<std::vector<std::optional<double>>> figures(sweep_figure_names().size());
+    for (const SweepRow& row : rows) {
+      if (row.run.point != point.point) continue;
+      if (point.status != "done") point.status = row.status;
+      if (row.status != "done") {
+        point.message = row.message;
+        continue;
+      }
+      for (std::size_t f = 0; f < figures.size(); ++f)
+        figures[f].push_back(row.figures[f]);
+    }
+    for (std::size_t f = 0; f < figures.size(); ++f)
+      point.figures[sweep_figure_names()[f]] = median_of_present(figures[f]);
+    points.push_back(std::move(point));
+  }
+  return points;
+}
+
+Json number(double value) {
+  return std::isfinite(value) ? Json(value) : Json(nullptr);
+}
+
+std::vector<std::string> methods_of(const std::vector<PagePoint>& points) {
+  std::vector<std::string> methods;
+  for (const PagePoint& point : points) {
+    if (std::find(methods.begin(), methods.end(), point.method) == methods.end())
+      methods.push_back(point.method);
+  }
+  return methods;
+}
+
+WorkPrecision place(const PagePoint& point, const Axis& work, const Axis& error) {
+  return {point.figures.at(work.figure), point.figures.at(error.figure)};
+}
+
+/// Of one choice of axes: which points are on the front, and what each method needs for the error.
+Json pair_json(const std::vector<PagePoint>& points, const Axis& work, const Axis& error) {
+  std::vector<WorkPrecision> places;
+  for (const PagePoint& point : points)
+    places.push_back(place(point, work, error));
+  Json pair = {{"front", Json::array()}, {"reach", Json::object()}};
+  const std::vector<bool> front = pareto_front(places);
+  for (std::size_t i = 0; i < points.size(); ++i)
+    if (front[i]) pair["front"].push_back(i);
+  for (const std::string& method : methods_of(points)) {
+    std::vector<WorkPrecision> own;
+    for (const PagePoint& point : points)
+      if (point.method == method) own.push_back(place(point, work, error));
+    const std::optional<double> reached = work_to_reach(own, sweep_page_error);
+    pair["reach"][method] = reached ? number(*reached) : Json(nullptr);
+  }
+  return pair;
+}
+
+/// Whether cast and warp fit into a period of 90 Hz at their 99th percentiles.
+bool holds_90_hz(const PagePoint& point) {
+  const double warp_ms = point.figures.at("warp_ms_p99");
+  return point.figures.at("cast_ms_p99") + (std::isnan(warp_ms) ? 0.0 : warp_ms) <= period_ms;
+}
+
+Json best_json(const std::vector<PagePoint>& points) {
+  Json best = Json::object();
+  for (const std::string& method : methods_of(points)) {
+    const PagePoint* found = nullptr;
+    for (const PagePoint& point : points) {
+      if (point.method != method || !holds_90_hz(point) || std::isnan(point.figures.at("dssim_mean")))
+        continue;
+      if (found == nullptr || point.figures.at("dssim_mean") < found->figures.at("dssim_mean"))
+        found = &point;
+    }
+    if (found == nullptr) {
+      best[method] = nullptr;
+    } else {
+      best[method] = {{"error", found->figures.at("dssim_mean")}, {"knob", found->knob}};
+    }
+  }
+  return best;
+}
+
+Json axis_json(const Axis& axis) {
+  return {{"figure", axis.figure}, {"label", axis.label}, {"unit", axis.unit}};
+}
+
+Json page_json(const SweepFile& sweep, const std::vector<SweepRow>& rows, const std::string& version) {
+  const std::string knob = knob_of(sweep);
+  const std::vector<PagePoint> points = gather(sweep, rows, knob);
+  Json json = {{"version", version},
+               {"sweep", sweep.file.filename().string()},
+               {"session", sweep.session.filename().string()},
+               {"repeat", sweep.repeat},
+               {"knob", knob},
+               {"keys", sweep.keys},
+               {"methods", methods_of(points)},
+               {"reach_error", sweep_page_error}};
+  for (const Axis& work : works)
+    json["works"].push_back(axis_json(work));
+  for (const Axis& error : errors)
+    json["errors"].push_back(axis_json(error));
+  json["points"] = Json::array();
+  for (const PagePoint& point : points) {
+    Json figures = Json::object();
+    for (const auto& [name, value] : point.figures)
+      figures[name] = number(value);
+    json["points"].push_back({{"point", point.point},
+                              {"method", point.method},
+                              {"knob", point.knob},
+                              {"status", point.status},
+                              {"message", point.message},
+                              {"settings", point.settings},
+                              {"holds_90_hz", holds_90_hz(point)},
+                              {"figures", std::move(figures)}});
+  }
+  json["best_at_90_hz"] = best_json(points);
+  for (const Axis& work : works)
+    for (const Axis& error : errors)
+      json["pairs"][std::string(work.figure) + "|" + error.figure] = pair_json(points, work, error);
+  return json;
+}
+
+}  // namespace
+
+std::string knob_of(const SweepFile& sweep) {
+  if (!sweep.knob.empty()) return sweep.knob;
+  for (auto key = sweep.keys.rbegin(); key != sweep.keys.rend(); ++key) {
+    std::set<std::string> values;
+    bool numbers = true;
+    for (const SweepPoint& point : sweep.points) {
+      const SweepValue& value = value_at(point, *key);
+      numbers = numbers && !std::holds_alternative<std::string>(value);
+      values.insert(to_text(value));
+    }
+    if (numbers && values.size() > 1) return *key;
+  }
+  return "";
+}
+
+void write_sweep_page(const std::filesystem::path& file, const SweepFile& sweep,
+                      const std::vector<SweepRow>& rows, const std::string& version,
+                      const std::filesystem::path& page_folder) {
+  const auto text = [&](const char* name) { return read_text_file(page_folder / name); };
+  write_template(
+      file, page_folder / "sweep.html",
+      {{"style", text("report.css")},
+       {"chart_library", text("chart.min.js")},
+       {"charts", text("charts.js")},
+       {"script", text("sweep.js")},
+       {"data",
+        script_safe(page_json(sweep, rows, version).dump(-1, ' ', false, Json::error_handler_t::replace))}});
+}
+
+}  // namespace brace
