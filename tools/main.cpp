@@ -183,7 +183,8 @@ void add_bench(CLI::App& app, BenchCommand& command, Action& action) {
   bench->add_flag("--json", command.json, "Print JSON");
   bench->add_option("--scene", command.scenes, "skip: head, insect, snake or none; may be given again")
       ->take_all();
-  bench->add_option("--part", command.parts, "skip: updates, frames, threshold or octants; may be given again")
+  bench
+      ->add_option("--part", command.parts, "skip: updates, frames, threshold or octants; may be given again")
       ->take_all();
   bench
       ->add_option("--volume", command.volumes,

@@ -18,7 +18,7 @@ namespace brace {
 
 namespace {
 
-using Json = nlohmann::ordered_json;
+using PageJson = nlohmann::ordered_json;
 
 struct Axis {
   const char *figure, *label, *unit;
@@ -85,8 +85,8 @@ std::vector<PagePoint> gather(const SweepFile& sweep, const std::vector<SweepRow
   return points;
 }
 
-Json number(double value) {
-  return std::isfinite(value) ? Json(value) : Json(nullptr);
+PageJson number(double value) {
+  return std::isfinite(value) ? PageJson(value) : PageJson(nullptr);
 }
 
 std::vector<std::string> methods_of(const std::vector<PagePoint>& points) {
@@ -103,11 +103,11 @@ WorkPrecision place(const PagePoint& point, const Axis& work, const Axis& error)
 }
 
 /// Of one choice of axes: which points are on the front, and what each method needs for the error.
-Json pair_json(const std::vector<PagePoint>& points, const Axis& work, const Axis& error) {
+PageJson pair_json(const std::vector<PagePoint>& points, const Axis& work, const Axis& error) {
   std::vector<WorkPrecision> places;
   for (const PagePoint& point : points)
     places.push_back(place(point, work, error));
-  Json pair = {{"front", Json::array()}, {"reach", Json::object()}};
+  PageJson pair = {{"front", PageJson::array()}, {"reach", PageJson::object()}};
   const std::vector<bool> front = pareto_front(places);
   for (std::size_t i = 0; i < points.size(); ++i)
     if (front[i]) pair["front"].push_back(i);
@@ -116,7 +116,7 @@ Json pair_json(const std::vector<PagePoint>& points, const Axis& work, const Axi
     for (const PagePoint& point : points)
       if (point.method == method) own.push_back(place(point, work, error));
     const std::optional<double> reached = work_to_reach(own, sweep_page_error);
-    pair["reach"][method] = reached ? number(*reached) : Json(nullptr);
+    pair["reach"][method] = reached ? number(*reached) : PageJson(nullptr);
   }
   return pair;
 }
@@ -127,8 +127,8 @@ bool holds_90_hz(const PagePoint& point) {
   return point.figures.at("cast_ms_p99") + (std::isnan(warp_ms) ? 0.0 : warp_ms) <= period_ms;
 }
 
-Json best_json(const std::vector<PagePoint>& points) {
-  Json best = Json::object();
+PageJson best_json(const std::vector<PagePoint>& points) {
+  PageJson best = PageJson::object();
   for (const std::string& method : methods_of(points)) {
     const PagePoint* found = nullptr;
     for (const PagePoint& point : points) {
@@ -146,28 +146,28 @@ Json best_json(const std::vector<PagePoint>& points) {
   return best;
 }
 
-Json axis_json(const Axis& axis) {
+PageJson axis_json(const Axis& axis) {
   return {{"figure", axis.figure}, {"label", axis.label}, {"unit", axis.unit}};
 }
 
-Json page_json(const SweepFile& sweep, const std::vector<SweepRow>& rows, const std::string& version) {
+PageJson page_json(const SweepFile& sweep, const std::vector<SweepRow>& rows, const std::string& version) {
   const std::string knob = knob_of(sweep);
   const std::vector<PagePoint> points = gather(sweep, rows, knob);
-  Json json = {{"version", version},
-               {"sweep", sweep.file.filename().string()},
-               {"session", sweep.session.filename().string()},
-               {"repeat", sweep.repeat},
-               {"knob", knob},
-               {"keys", sweep.keys},
-               {"methods", methods_of(points)},
-               {"reach_error", sweep_page_error}};
+  PageJson json = {{"version", version},
+                   {"sweep", sweep.file.filename().string()},
+                   {"session", sweep.session.filename().string()},
+                   {"repeat", sweep.repeat},
+                   {"knob", knob},
+                   {"keys", sweep.keys},
+                   {"methods", methods_of(points)},
+                   {"reach_error", sweep_page_error}};
   for (const Axis& work : works)
     json["works"].push_back(axis_json(work));
   for (const Axis& error : errors)
     json["errors"].push_back(axis_json(error));
-  json["points"] = Json::array();
+  json["points"] = PageJson::array();
   for (const PagePoint& point : points) {
-    Json figures = Json::object();
+    PageJson figures = PageJson::object();
     for (const auto& [name, value] : point.figures)
       figures[name] = number(value);
     json["points"].push_back({{"point", point.point},
@@ -207,14 +207,13 @@ void write_sweep_page(const std::filesystem::path& file, const SweepFile& sweep,
                       const std::vector<SweepRow>& rows, const std::string& version,
                       const std::filesystem::path& page_folder) {
   const auto text = [&](const char* name) { return read_text_file(page_folder / name); };
-  write_template(
-      file, page_folder / "sweep.html",
-      {{"style", text("report.css")},
-       {"chart_library", text("chart.min.js")},
-       {"charts", text("charts.js")},
-       {"script", text("sweep.js")},
-       {"data",
-        script_safe(page_json(sweep, rows, version).dump(-1, ' ', false, Json::error_handler_t::replace))}});
+  write_template(file, page_folder / "sweep.html",
+                 {{"style", text("report.css")},
+                  {"chart_library", text("chart.min.js")},
+                  {"charts", text("charts.js")},
+                  {"script", text("sweep.js")},
+                  {"data", script_safe(page_json(sweep, rows, version)
+                                           .dump(-1, ' ', false, PageJson::error_handler_t::replace))}});
 }
 
 }  // namespace brace
