@@ -51,19 +51,17 @@ class ChunkedRun : public ::testing::Test {
   Workplace place_;
 };
 
-TEST_F(ChunkedRun, PicturesAreThoseOfWholeFramesForEveryGridAndRaysAndSkipStage) {
+TEST_F(ChunkedRun, PicturesAreThoseOfWholeFramesWithEveryRaysAndSkipStage) {
   for (const std::vector<std::string>& stages : {std::vector<std::string>{},
                                                  {"pipeline.rays=mab"},
                                                  {"pipeline.skip=distance_map", "pipeline.warp=grid"}}) {
     run("whole", stages);
-    for (const std::string edge : {"1", "3", "16"}) {
-      std::vector<std::string> chunked = stages;
-      chunked.insert(chunked.end(), {"pipeline.schedule=chunked", "stage.chunked.columns=" + edge,
-                                     "stage.chunked.rows=" + edge});
-      run("chunked", chunked);
-      for (const char* eye : {"left", "right"})
-        EXPECT_TRUE(picture("whole", eye) == picture("chunked", eye)) << edge << " " << eye;
-    }
+    std::vector<std::string> chunked = stages;
+    chunked.insert(chunked.end(),
+                   {"pipeline.schedule=chunked", "stage.chunked.columns=3", "stage.chunked.rows=5"});
+    run("chunked", chunked);
+    for (const char* eye : {"left", "right"})
+      EXPECT_TRUE(picture("whole", eye) == picture("chunked", eye)) << eye;
   }
 }
 

@@ -83,7 +83,7 @@ TEST_F(Page, MissingTemplateOrPictureIsNamed) {
     }
     return "no error";
   };
-  EXPECT_NE(message(folder_ / "nowhere").find("nowhere/report.html: cannot be read"), std::string::npos);
+  EXPECT_NE(message(folder_ / "nowhere").find("nowhere/report.css: cannot be read"), std::string::npos);
   input.series[0].pictures = {{0, "absent.png", "absent.png"}};
   EXPECT_NE(message(BRACE_PAGE_FOLDER).find("absent.png: cannot be read"), std::string::npos);
 }
