@@ -98,13 +98,13 @@ std::vector<std::string> methods_of(const std::vector<PagePoint>& points) {
   return methods;
 }
 
-WorkPrecision place(const PagePoint& point, const Axis& work, const Axis& error) {
+WorkErrorPoint place(const PagePoint& point, const Axis& work, const Axis& error) {
   return {point.figures.at(work.figure), point.figures.at(error.figure)};
 }
 
 /// Of one choice of axes: which points are on the front, and what each method needs for the error.
 PageJson pair_json(const std::vector<PagePoint>& points, const Axis& work, const Axis& error) {
-  std::vector<WorkPrecision> places;
+  std::vector<WorkErrorPoint> places;
   for (const PagePoint& point : points)
     places.push_back(place(point, work, error));
   PageJson pair = {{"front", PageJson::array()}, {"reach", PageJson::object()}};
@@ -112,7 +112,7 @@ PageJson pair_json(const std::vector<PagePoint>& points, const Axis& work, const
   for (std::size_t i = 0; i < points.size(); ++i)
     if (front[i]) pair["front"].push_back(i);
   for (const std::string& method : methods_of(points)) {
-    std::vector<WorkPrecision> own;
+    std::vector<WorkErrorPoint> own;
     for (const PagePoint& point : points)
       if (point.method == method) own.push_back(place(point, work, error));
     const std::optional<double> reached = work_to_reach(own, sweep_page_error);

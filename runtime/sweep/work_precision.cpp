@@ -8,20 +8,20 @@ namespace brace {
 
 namespace {
 
-bool is_there(const WorkPrecision& point) {
+bool is_there(const WorkErrorPoint& point) {
   return !std::isnan(point.work) && !std::isnan(point.error);
 }
 
-bool beats(const WorkPrecision& a, const WorkPrecision& b) {
+bool beats(const WorkErrorPoint& a, const WorkErrorPoint& b) {
   return a.work <= b.work && a.error <= b.error && (a.work < b.work || a.error < b.error);
 }
 
 }  // namespace
 
-std::vector<bool> pareto_front(const std::vector<WorkPrecision>& points) {
+std::vector<bool> pareto_front(const std::vector<WorkErrorPoint>& points) {
   std::vector<bool> front;
-  for (const WorkPrecision& point : points) {
-    const bool beaten = std::any_of(points.begin(), points.end(), [&](const WorkPrecision& other) {
+  for (const WorkErrorPoint& point : points) {
+    const bool beaten = std::any_of(points.begin(), points.end(), [&](const WorkErrorPoint& other) {
       return is_there(other) && beats(other, point);
     });
     front.push_back(is_there(point) && !beaten);
@@ -29,9 +29,9 @@ std::vector<bool> pareto_front(const std::vector<WorkPrecision>& points) {
   return front;
 }
 
-std::optional<double> work_to_reach(const std::vector<WorkPrecision>& points, double error_max) {
+std::optional<double> work_to_reach(const std::vector<WorkErrorPoint>& points, double error_max) {
   std::optional<double> least;
-  for (const WorkPrecision& point : points) {
+  for (const WorkErrorPoint& point : points) {
     if (is_there(point) && point.error <= error_max && (!least || point.work < *least)) least = point.work;
   }
   return least;

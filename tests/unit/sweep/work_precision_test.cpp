@@ -31,13 +31,13 @@ TEST(ParetoFront, LeavesOutPointsWithoutFigures) {
 TEST(ParetoFront, NoPointOfItIsBeatenAndEveryOtherIs) {
   std::mt19937 random(8);
   for (int round = 0; round < 50; ++round) {
-    std::vector<WorkPrecision> points;
+    std::vector<WorkErrorPoint> points;
     for (int i = 0; i < 40; ++i)
       points.push_back({static_cast<double>(random() % 12), static_cast<double>(random() % 12)});
     const std::vector<bool> front = pareto_front(points);
     for (std::size_t i = 0; i < points.size(); ++i) {
       bool beaten = false;
-      for (const WorkPrecision& other : points) {
+      for (const WorkErrorPoint& other : points) {
         const bool no_worse = other.work <= points[i].work && other.error <= points[i].error;
         const bool equal = other.work >= points[i].work && other.error >= points[i].error;
         beaten = beaten || (no_worse && !equal);
@@ -48,7 +48,7 @@ TEST(ParetoFront, NoPointOfItIsBeatenAndEveryOtherIs) {
 }
 
 TEST(WorkToReach, IsTheLeastWorkOrNotReached) {
-  const std::vector<WorkPrecision> points = {{5, 0.001}, {3, 0.01}, {1, 0.2}, {2, nothing}, {nothing, 0.0}};
+  const std::vector<WorkErrorPoint> points = {{5, 0.001}, {3, 0.01}, {1, 0.2}, {2, nothing}, {nothing, 0.0}};
   EXPECT_EQ(work_to_reach(points, 0.01), 3.0);
   EXPECT_EQ(work_to_reach(points, 0.5), 1.0);
   EXPECT_FALSE(work_to_reach(points, 1e-6).has_value());
