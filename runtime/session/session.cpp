@@ -271,13 +271,20 @@ std::map<std::string, PipelineStage> read_pipeline(const SessionTable& table, co
   for (const auto& [name, node] : *settings->as_table()) {
     const std::string stage(name.str());
     if (std::find(used.begin(), used.end(), stage) != used.end()) continue;
-    std::vector<std::string> known;
-    for (const StageInfo& info : stages.stages())
+    std::vector<std::string> known, parameters;
+    for (const StageInfo& info : stages.stages()) {
       known.push_back(info.name), known.push_back(info.id());
-    // Settings of a stage that this pipeline leaves out are fine: sessions switch stages with --set.
+      if (info.name != stage && info.id() != stage) continue;
+      for (const StageParameter& parameter : info.parameters)
+        parameters.push_back(parameter.name);
+    }
+    // Settings of a stage that this pipeline leaves out are fine, sessions switch stages with --set; but they
+    // are settings that it has.
     if (std::find(known.begin(), known.end(), stage) != known.end()) {
-      if (node.is_table()) continue;
-      throw input_error("{}: [stage.\"{}\"] is a table", place_of(node, table.file()), stage);
+      if (!node.is_table())
+        throw input_error("{}: [stage.\"{}\"] is a table", place_of(node, table.file()), stage);
+      reject_unknown_keys(*node.as_table(), table.file(), "stage." + stage, parameters);
+      continue;
     }
     throw input_error("{}: [stage.\"{}\"] names no stage{}; used here: {}", place_of(node, table.file()),
                       stage, did_you_mean(stage, known), join(used));

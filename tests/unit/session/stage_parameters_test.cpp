@@ -55,11 +55,12 @@ TEST(SessionStages, UnknownStagesNameTheNearest) {
   }
 }
 
-TEST(SessionStages, SettingsOfAStageLeftOutAreAllowedButMustBeATable) {
+TEST(SessionStages, SettingsOfAStageLeftOutAreAllowedButMustBeItsOwn) {
   EXPECT_EQ(error_of(smallest + "[stage.grid]\ncells = 3\n"), "");
   EXPECT_THAT(error_of(smallest + "[stage]\ngrid = 3\n"), HasSubstr("is a table"));
   EXPECT_THAT(error_of(with_grid + "[stage]\ngrid = 3\n"), HasSubstr("is a table"));
   EXPECT_THAT(error_of(with_grid + "[[stage.grid]]\ncells = 3\n"), HasSubstr("is a table"));
+  EXPECT_THAT(error_of(smallest + "[stage.grid]\ncell = 3\n"), HasSubstr("did you mean 'cells'?"));
 }
 
 }  // namespace
