@@ -39,8 +39,6 @@ class LiveTexels {
   /// `reach`: texels on either side of a pixel that its reconstruction reads: 1 linear, 2 cubic.
   LiveTexels(std::span<const AtlasRect> levels, const Picture& picture, int reach);
 
-  std::uint64_t texels() const { return ranges_.size(); }
-
   /// Live texels in O(levels).
   std::uint64_t count(const LevelWeights& weights) const;
 

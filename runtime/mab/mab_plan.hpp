@@ -40,7 +40,6 @@ class MabPlan {
   /// Throws input_error when the atlas is larger than 16383 texels across or down.
   MabPlan(const MabSettings& settings, const sim::DeviceProfile& profile, const Sizes& sizes);
 
-  const MabSettings& settings() const { return settings_; }
   const Atlas& atlas() const { return atlas_; }
   const std::vector<float>& coordinates(sim::Eye eye) const { return eyes_[index(eye)].coordinates; }
 

@@ -35,11 +35,7 @@ frames = 8
 class ChunkedRun : public ::testing::Test {
  protected:
   Outcome try_run(const std::string& name, const std::vector<std::string>& settings) {
-    place_.write("s.toml", session);
-    std::vector<std::string> arguments = {"run", "s.toml", "--out", name};
-    for (const std::string& setting : settings)
-      arguments.insert(arguments.end(), {"--set", setting});
-    return place_.brace(arguments);
+    return test::run_session(place_, session, name, settings);
   }
   void run(const std::string& name, const std::vector<std::string>& settings) {
     const Outcome outcome = try_run(name, settings);

@@ -153,6 +153,16 @@ Outcome Workplace::command(std::vector<std::string> words, const RunOptions& opt
   return outcome;
 }
 
+Outcome run_session(const Workplace& place, const std::string& session, const std::string& name,
+                    const std::vector<std::string>& settings, const std::vector<std::string>& more) {
+  place.write("s.toml", session);
+  std::vector<std::string> arguments = {"run", "s.toml", "--out", name};
+  for (const std::string& setting : settings)
+    arguments.insert(arguments.end(), {"--set", setting});
+  arguments.insert(arguments.end(), more.begin(), more.end());
+  return place.brace(arguments);
+}
+
 std::vector<double> csv_column(const std::string& text, const std::string& column) {
   std::istringstream rows(text);
   std::string row, cell;

@@ -47,6 +47,10 @@ class Workplace {
   std::filesystem::path folder_;
 };
 
+/// `brace run` of a session's text, with --set and further arguments; the run directory is `name`.
+Outcome run_session(const Workplace& place, const std::string& session, const std::string& name,
+                    const std::vector<std::string>& settings, const std::vector<std::string>& more = {});
+
 /// The numbers of one column of a CSV text with a heading; empty cells are 0.
 std::vector<double> csv_column(const std::string& text, const std::string& column);
 

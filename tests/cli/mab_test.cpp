@@ -47,12 +47,7 @@ class Mab : public ::testing::Test {
   }
   Outcome try_run(const std::string& name, std::vector<std::string> settings,
                   const std::vector<std::string>& more = {}) {
-    place_.write("s.toml", session);
-    std::vector<std::string> arguments = {"run", "s.toml", "--out", name};
-    for (const std::string& setting : settings)
-      arguments.insert(arguments.end(), {"--set", setting});
-    arguments.insert(arguments.end(), more.begin(), more.end());
-    return place_.brace(arguments);
+    return test::run_session(place_, session, name, settings, more);
   }
   void expect_equal_pictures(const std::string& a, const std::string& b) {
     for (const char* eye : {"left", "right"}) {

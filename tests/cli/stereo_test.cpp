@@ -42,13 +42,7 @@ frames = 6
 class Stereo : public ::testing::Test {
  protected:
   Outcome run(const std::string& name, std::vector<std::string> settings) {
-    place_.write("s.toml", session);
-    std::vector<std::string> arguments = {"run", "s.toml", "--out", name};
-    for (const std::string& setting : settings) {
-      arguments.push_back("--set");
-      arguments.push_back(setting);
-    }
-    return place_.brace(arguments);
+    return test::run_session(place_, session, name, settings);
   }
   ImageRgba8 picture(const std::string& name, const char* eye) {
     return read_png(place_ / name / "images" / (std::string("000004_") + eye + ".png"));

@@ -77,7 +77,6 @@ std::optional<std::string> LiveEyes::reload_if_saved() {
     auto next =
         std::make_unique<State>(device_, options_, read_(), first_pose_, same_scene ? now_->scene : nullptr);
     now_ = std::move(next);
-    ++reloads_;
     return std::string();
   } catch (const Error& error) {
     return error.what();

@@ -36,7 +36,6 @@ class LiveEyes {
   /// or the scene as well. What went wrong, in the words of the compiler or reader; the old ones go on then.
   /// Empty: nothing did.
   std::optional<std::string> reload_if_saved();
-  int reloads() const { return reloads_; }
 
  private:
   struct State {
@@ -62,7 +61,6 @@ class LiveEyes {
   Pose first_pose_;
   std::unique_ptr<State> now_;
   Stamps scene_stamps_, kernel_stamps_;
-  int reloads_ = 0;
 };
 
 }  // namespace brace
