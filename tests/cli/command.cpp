@@ -114,8 +114,10 @@ Outcome Workplace::brace(const std::vector<std::string>& arguments, const RunOpt
 }
 
 Outcome Workplace::command(std::vector<std::string> words, const RunOptions& options) const {
+  // Without -noreset the server starts over, and is gone for that long, whenever its last client leaves:
+  // a client that asks who is there is one.
   if (options.on_virtual_display)
-    words.insert(words.begin(), {"/usr/bin/xvfb-run", "-a", "-s", "-screen 0 1200x800x24"});
+    words.insert(words.begin(), {"/usr/bin/xvfb-run", "-a", "-s", "-screen 0 1200x800x24 -noreset"});
   // What it says goes beside the folder, so that the folder holds nothing but what the command left there.
   const std::string out_name = folder_.string() + ".out";
   const std::string err_name = folder_.string() + ".err";

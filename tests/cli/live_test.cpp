@@ -113,7 +113,7 @@ TEST_F(Live, FollowsMouseAndKeysReloadsStagesAndSaysWhatDoesNotCompile) {
   place_.write("drive.sh", R"(
 "$1" live s.toml --set pipeline.cast=mine --plugin-path mine --keep-scale --frames 2000 --screenshot eyes.png >live.log 2>&1 &
 live=$!
-for i in $(seq 100); do
+for i in $(seq 600); do
   window=$(xdotool search --name ' fps' 2>/dev/null | head -1); [ -n "$window" ] && break; sleep 0.1
 done
 xdotool mousemove 300 300
@@ -124,10 +124,10 @@ xdotool mouseup 1; sleep 0.2
 xdotool key r; sleep 0.3
 cp mine/mine.glsl good
 echo 'no such thing' >>mine/mine.glsl
-for i in $(seq 50); do grep -q 'mine.glsl:' live.log && break; sleep 0.1; done
+for i in $(seq 300); do grep -q 'mine.glsl:' live.log && break; sleep 0.1; done
 sleep 1.1
 cp good mine/mine.glsl
-for i in $(seq 50); do grep -q 'reloaded' live.log && break; sleep 0.1; done
+for i in $(seq 300); do grep -q 'reloaded' live.log && break; sleep 0.1; done
 xdotool key Escape
 wait $live
 )");
