@@ -60,7 +60,7 @@ void measure(const gpu::Device& device, const CostBenchOptions& options, const C
              std::vector<CostSample>& samples) {
   const Session session = parse_session(session_text(c), "bench", ".", {}, options.stages);
   const ReplayOptions replay{.data_folder = options.data_folder};
-  const Headset headset = make_headset(session.device, options.data_folder);
+  const Headset headset = make_headset(session, options.data_folder);
   const Pose head{};
   const VolumePlacement placement = place_volume(session.scene, head);
   const std::unique_ptr<SceneOnDevice> scene = load_scene(device, session, replay, headset, placement);

@@ -46,7 +46,7 @@ Session session_of(const MabBenchOptions& options, const Scene& scene, const std
 struct Rig {
   Rig(const gpu::Device& device, const MabBenchOptions& options, Session session_taken)
       : session(std::move(session_taken)),
-        headset(make_headset(session.device, options.data_folder)),
+        headset(make_headset(session, options.data_folder)),
         placement(place_volume(session.scene, Pose{})),
         scene(load_scene(device, session, {.data_folder = options.data_folder}, headset, placement)),
         renderer(device, session, headset, *scene, placement, options.data_folder, EyeRenderer::Counting::on),

@@ -39,7 +39,7 @@ struct Rig {
                         "transfer_function = 'ct-soft-tissue'\nsize_m = 0.6\n",
                         lens, options.resolution_scale),
             "bench", ".", {}, options.stages)),
-        headset(make_headset(session.device, options.data_folder)) {}
+        headset(make_headset(session, options.data_folder)) {}
 
   Session session;
   Headset headset;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "runtime/host/plugin_library.hpp"
+#include "runtime/replay/replay.hpp"
 #include "runtime/session/session.hpp"
 
 namespace brace {
@@ -23,11 +24,33 @@ struct RunCommand {
   std::optional<std::int64_t> frames;
   std::optional<std::uint64_t> seed;
   std::optional<std::string> watchdog;
+  bool plan = false;                         // leave out what the planner finds is not needed
+  std::vector<std::string> keep, leave_out;  // items
   std::string gpu;
   std::vector<std::string> plugin_path;
   bool json = false;
 };
 int run_command(const RunCommand& command);
+
+struct PlanCommand {
+  std::filesystem::path session;
+  std::vector<std::string> set;              // KEY=VALUE
+  std::vector<std::string> keep, leave_out;  // items
+  std::optional<std::int64_t> frames;
+  bool check = false;  // replay both ways
+  std::string out;     // of the check; "" for runs/SESSION-plan
+  std::string gpu;
+  std::vector<std::string> plugin_path;
+  bool json = false;
+};
+int plan_command(const PlanCommand& command);
+
+/// plan.keep and plan.leave_out from --keep, --leave-out and --plan, where they were given.
+Overrides plan_settings(const std::vector<std::string>& keep, const std::vector<std::string>& leave_out,
+                        bool automatic);
+
+/// What replay() is given by commands.
+ReplayOptions replay_options(const StageRegistry& stages, const std::string& gpu);
 
 struct LiveCommand {
   std::filesystem::path session;

@@ -30,6 +30,13 @@ void add_plugin_path_option(CLI::App& app, std::vector<std::string>& plugin_path
       ->allow_extra_args(false);
 }
 
+void add_item_options(CLI::App& app, std::vector<std::string>& keep, std::vector<std::string>& leave_out) {
+  app.add_option("--keep", keep, "ITEM: keep it whatever the planner finds, e.g. warp; repeatable")
+      ->allow_extra_args(false);
+  app.add_option("--leave-out", leave_out, "ITEM: do without it, e.g. shading; repeatable")
+      ->allow_extra_args(false);
+}
+
 void add_run(CLI::App& app, RunCommand& command, Action& action) {
   CLI::App* run =
       app.add_subcommand("run", "Replay a session on the simulated headset and write a run directory");
@@ -41,12 +48,34 @@ void add_run(CLI::App& app, RunCommand& command, Action& action) {
   run->add_option("--seed", command.seed, "Seed of the tracker's noise");
   run->add_option("--watchdog", command.watchdog,
                   "Watch what stages do: outputs (results and deadlines), full (and memory), off");
+  run->add_flag("--plan", command.plan, "Leave out what the planner finds is not needed: see `brace plan`");
+  add_item_options(*run, command.keep, command.leave_out);
   add_gpu_option(*run, command.gpu);
   add_plugin_path_option(*run, command.plugin_path);
   run->add_flag("--json", command.json, "Print the summary as JSON");
   run->footer(
       "Example:\n  brace run examples/demo.toml --set pipeline.warp=none --frames 180 --out runs/no-warp");
   run->callback([&] { action = [&] { return run_command(command); }; });
+}
+
+void add_plan(CLI::App& app, PlanCommand& command, Action& action) {
+  CLI::App* plan =
+      app.add_subcommand("plan", "What of a session's pipeline does its scene not need, and why");
+  plan->add_option("session", command.session, "Session file (TOML)")->required();
+  plan->add_option("--set", command.set, "KEY=VALUE: override a key of the session");
+  add_item_options(*plan, command.keep, command.leave_out);
+  plan->add_option("--frames", command.frames, "Number of display vsyncs of the check");
+  plan->add_flag("--check", command.check,
+                 "Replay the session as given and as planned; exit code 1 if the plan was wrong");
+  plan->add_option("--out", command.out, "Run directory of the check (default: runs/SESSION-plan)");
+  add_gpu_option(*plan, command.gpu);
+  add_plugin_path_option(*plan, command.plugin_path);
+  plan->add_flag("--json", command.json, "Print JSON");
+  plan->footer(
+      "Items: shading, preintegration, early_termination, skip, stereo, rays, warp, distortion,\n"
+      "chromatic_channels, scan_out_correction; their rules stand in docs/planning.md.\n\n"
+      "Example:\n  brace plan examples/plan_everything.toml --check");
+  plan->callback([&] { action = [&] { return plan_command(command); }; });
 }
 
 void add_compare(CLI::App& app, CompareCommand& command, Action& action) {
@@ -206,7 +235,8 @@ void add_verify(CLI::App& app, VerifyCommand& command, Action& action) {
       app.add_subcommand("verify", "Verify the numerics: each claim with its figure and bound");
   verify->add_option(
       "groups", command.groups,
-      "integrators, adaptive, stability, absorption, skipping, extremes, lenses, motion (default: all)");
+      "integrators, adaptive, stability, absorption, skipping, extremes, lenses, motion, stereo, control, "
+      "schedule (default: all)");
   verify->add_option("--out", command.out, "Folder to write report.html into");
   add_gpu_option(*verify, command.gpu);
   verify->add_flag("--json", command.json, "Print JSON");
@@ -268,6 +298,7 @@ int main(int argc, char** argv) {
       "Exit codes: 0 done, 1 a check failed, 2 bad input or usage, 3 device or plug-in failed.");
 
   RunCommand run;
+  PlanCommand plan;
   LiveCommand live;
   CompareCommand compare;
   SweepCommand sweep;
@@ -280,6 +311,7 @@ int main(int argc, char** argv) {
   CheckStageCommand check_stage;
   Action action;
   add_run(app, run, action);
+  add_plan(app, plan, action);
   add_live(app, live, action);
   add_compare(app, compare, action);
   add_sweep(app, sweep, action);

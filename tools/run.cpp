@@ -2,7 +2,8 @@
 #include <nlohmann/json.hpp>
 
 #include "base/error.hpp"
-#include "runtime/replay/replay.hpp"
+#include "base/suggest.hpp"
+#include "runtime/plan/plan.hpp"
 #include "tools/command.hpp"
 #include "tools/interrupt.hpp"
 
@@ -15,19 +16,41 @@ Overrides overrides_of(const RunCommand& command) {
   if (command.frames) overrides.emplace_back("run.frames", std::to_string(*command.frames));
   if (command.watchdog) overrides.emplace_back("run.watchdog", *command.watchdog);
   if (command.seed) overrides.emplace_back("run.seed", std::to_string(*command.seed));
+  for (const auto& setting : plan_settings(command.keep, command.leave_out, command.plan))
+    overrides.push_back(setting);
   return overrides;
 }
 
+/// A session as it is replayed: what plan.leave_out = "auto" leaves out is decided here, and told.
+LabelledSession planned(const std::string& label, const SessionReader& read, const ReplayOptions& options) {
+  Session session = read({});
+  if (session.plan.mode != Session::Plan::Mode::automatic) return {label, std::move(session), {}};
+  PlanTrials trials(options);
+  const Plan plan = make_plan(read, trials);
+  fmt::print(stderr, "plan{}: leaves out {}; {:.1f} % less per frame expected\n",
+             label.empty() ? "" : " of " + label, plan.leave_out.empty() ? "nothing" : join(plan.leave_out),
+             100.0 * plan.saving());
+  return {label, read(settings_of(plan)), plan.reasons()};
+}
+
 /// The session itself, or one per case of its [compare] section.
-std::vector<LabelledSession> sessions_of(const RunCommand& command, const StageRegistry& stages) {
+std::vector<LabelledSession> sessions_of(const RunCommand& command, const StageRegistry& stages,
+                                         const ReplayOptions& options) {
+  const auto reader = [&](Overrides settings) {
+    return [&, settings](const Overrides& more) {
+      Overrides all = settings;
+      all.insert(all.end(), more.begin(), more.end());
+      return read_session(command.session, all, stages);
+    };
+  };
   const Overrides overrides = overrides_of(command);
-  Session session = read_session(command.session, overrides, stages);
-  if (session.compare.empty()) return {{"", std::move(session)}};
+  const Session session = read_session(command.session, overrides, stages);
+  if (session.compare.empty()) return {planned("", reader(overrides), options)};
   std::vector<LabelledSession> sessions;
   for (const Session::Case& one : session.compare) {
     Overrides settings = overrides;
     settings.insert(settings.end(), one.settings.begin(), one.settings.end());
-    sessions.push_back({one.label, read_session(command.session, settings, stages)});
+    sessions.push_back(planned(one.label, reader(settings), options));
   }
   return sessions;
 }
@@ -74,22 +97,37 @@ Overrides parse_settings(const std::vector<std::string>& settings) {
   return overrides;
 }
 
+Overrides plan_settings(const std::vector<std::string>& keep, const std::vector<std::string>& leave_out,
+                        bool automatic) {
+  Overrides settings;
+  if (automatic || !leave_out.empty()) {
+    std::vector<std::string> words = {automatic ? "auto" : "idle"};
+    words.insert(words.end(), leave_out.begin(), leave_out.end());
+    settings.emplace_back("plan.leave_out", join(words, ","));
+  }
+  if (!keep.empty()) settings.emplace_back("plan.keep", join(keep, ","));
+  return settings;
+}
+
+ReplayOptions replay_options(const StageRegistry& stages, const std::string& gpu) {
+  return {.data_folder = data_folder(),
+          .gpu = gpu,
+          .version = BRACE_VERSION,
+          .no_warp = {stages.find("warp", "none", "built in"), {}},
+          .full_rate = {stages.find("rays", "full_rate", "built in"), {}},
+          .interrupted = interrupted};
+}
+
 int run_command(const RunCommand& command) {
   note_interrupts();
   const auto [stages, plugins] = make_stages(command.plugin_path);
   warn_of_broken(plugins);
-  const std::vector<LabelledSession> sessions = sessions_of(command, stages);
+  const ReplayOptions options = replay_options(stages, command.gpu);
+  const std::vector<LabelledSession> sessions = sessions_of(command, stages, options);
   const std::filesystem::path out = command.out.empty()
                                         ? std::filesystem::path("runs") / sessions.front().session.name
                                         : std::filesystem::path(command.out);
-  const ReplayOutcome outcome = replay(sessions,
-                                       {.data_folder = data_folder(),
-                                        .gpu = command.gpu,
-                                        .version = BRACE_VERSION,
-                                        .no_warp = {stages.find("warp", "none", "built in"), {}},
-                                        .full_rate = {stages.find("rays", "full_rate", "built in"), {}},
-                                        .interrupted = interrupted},
-                                       out);
+  const ReplayOutcome outcome = replay(sessions, options, out);
   if (command.json) {
     fmt::print("{}\n", outcome.summary_json);
   } else {

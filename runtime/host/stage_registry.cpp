@@ -22,6 +22,24 @@ double PipelineStage::value(std::string_view parameter) const {
   throw device_error("stage {} has no parameter '{}'", stage.id(), parameter);
 }
 
+bool PipelineStage::set(std::string_view parameter, double value) {
+  for (std::size_t i = 0; i < stage.parameters.size(); ++i) {
+    if (stage.parameters[i].name != parameter) continue;
+    values[i] = value;
+    return true;
+  }
+  return false;
+}
+
+bool PipelineStage::set_choice(std::string_view parameter, std::string_view choice) {
+  for (const StageParameter& known : stage.parameters) {
+    if (known.name != parameter) continue;
+    const auto at = std::find(known.choices.begin(), known.choices.end(), choice);
+    return at != known.choices.end() && set(parameter, static_cast<double>(at - known.choices.begin()));
+  }
+  return false;
+}
+
 void StageRegistry::add(StageInfo stage) {
   for (const StageInfo& other : stages_) {
     if (other.family != stage.family || other.name != stage.name) continue;

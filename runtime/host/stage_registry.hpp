@@ -57,6 +57,10 @@ struct PipelineStage {
 
   /// The value of a parameter by name; the parameter must exist.
   double value(std::string_view parameter) const;
+
+  /// False, and nothing done, if the stage has no such parameter; of a choice, if it has no such word.
+  bool set(std::string_view parameter, double value);
+  bool set_choice(std::string_view parameter, std::string_view choice);
 };
 
 /// The stages that sessions can name. Holds no list of its own: whoever makes it adds folders and

@@ -66,6 +66,38 @@ Headset make_headset(const Session::Device& device, const std::filesystem::path&
   return headset;
 }
 
+Headset make_headset(const Session& session, const std::filesystem::path& data_folder) {
+  Headset headset = make_headset(session.device, data_folder);
+  headset.distort_always = session.plan.keeps_idle("distortion");
+  headset.fetch_channels_always = session.plan.keeps_idle("chromatic_channels");
+  const auto refuse = [&](const char* item, const char* what) {
+    throw input_error(
+        "{}: 'plan.leave_out' names {}, but {} of {}: without it another headset would be simulated; "
+        "accepted "
+        "here: device.lens = \"none\", or another item",
+        session.file.string(), item, what, headset.profile.name);
+  };
+  for (const std::string& item : session.plan.leave_out) {
+    if (item == "distortion" && !lens_does_nothing(headset))
+      refuse("distortion", "the lens bends the picture");
+    if (item == "chromatic_channels" && !channels_equal(headset))
+      refuse("chromatic_channels", "the lens is another one for each colour channel");
+  }
+  return headset;
+}
+
+bool lens_does_nothing(const Headset& headset) {
+  const auto& eyes = headset.profile.eyes;
+  return std::all_of(eyes.begin(), eyes.end(),
+                     [](const sim::EyeProfile& eye) { return sim::lens_is_identity(eye.lens, eye.fov); });
+}
+
+bool channels_equal(const Headset& headset) {
+  const auto& eyes = headset.profile.eyes;
+  return std::all_of(eyes.begin(), eyes.end(),
+                     [](const sim::EyeProfile& eye) { return sim::lens_channels_equal(eye.lens); });
+}
+
 Display display_of(const sim::DeviceProfile& profile) {
   return {profile.refresh, profile.scan_out, profile.emission, profile.scan_lines()};
 }

@@ -19,12 +19,21 @@ struct PictureSize {
 /// The simulated headset of a session: its profile, with the session's scale and choices applied.
 struct Headset {
   sim::DeviceProfile profile;
-  PictureSize eye;    // the pictures that the raycaster makes
-  PictureSize panel;  // what an eye's panel shows
+  PictureSize eye;                                             // the pictures that the raycaster makes
+  PictureSize panel;                                           // what an eye's panel shows
+  bool distort_always = false, fetch_channels_always = false;  // even where that does nothing
 };
 
 /// Throws input_error for an unknown profile, and for one without lens data unless device.lens = "none".
 Headset make_headset(const Session::Device& device, const std::filesystem::path& data_folder);
+
+/// With what the session's [plan] says of the display. Throws input_error where it leaves out what the
+/// headset needs.
+Headset make_headset(const Session& session, const std::filesystem::path& data_folder);
+
+/// Whether no eye's lens moves anything; whether no eye's lens tells the colour channels apart.
+bool lens_does_nothing(const Headset& headset);
+bool channels_equal(const Headset& headset);
 
 Display display_of(const sim::DeviceProfile& profile);
 

@@ -18,7 +18,16 @@ SourcePicture source_picture(const Headset& headset, sim::Eye eye) {
 }
 
 LensTraits headset_traits(const Headset& headset) {
-  return common_traits(lens_traits(headset.profile.eyes[0].lens), lens_traits(headset.profile.eyes[1].lens));
+  LensTraits traits =
+      common_traits(lens_traits(headset.profile.eyes[0].lens), lens_traits(headset.profile.eyes[1].lens));
+  if (lens_does_nothing(headset)) {
+    // With all coefficients zero, Brown-Conrady is the identity, computed.
+    const bool computed = headset.distort_always && traits.kind == sim::LensKind::identity;
+    if (computed) traits.kind = sim::LensKind::brown_conrady;
+    if (!headset.distort_always) traits.kind = sim::LensKind::identity;
+  }
+  if (headset.fetch_channels_always) traits.one_fetch = false;
+  return traits;
 }
 
 gpu::KernelDescription display_kernel(const PipelineStage& warp, const LensTraits& lens,

@@ -4,24 +4,46 @@
 
 #include <fmt/core.h>
 
+#include "base/error.hpp"
 #include "runtime/metrics/image_error.hpp"
 
 namespace brace {
 
 namespace {
 
-Session with_rays(Session session, const PipelineStage& rays) {
+/// The session of ideal pictures: a ray per pixel, and where the session asks for converged ones steps a
+/// quarter as long, pre-integrated.
+Session ideal_session(Session session, const PipelineStage& rays) {
   session.pipeline.at("rays") = rays;
+  if (!session.output.converged_ideal) return session;
+  PipelineStage& cast = session.pipeline.at("cast");
+  if (cast.stage.id() != "cast/dvr") {
+    throw input_error(
+        "{}: output.ideal = 'converged' is made by cast/dvr; accepted with pipeline.cast = '{}': session",
+        session.file.string(), cast.stage.name);
+  }
+  cast.set("step_voxels", cast.value("step_voxels") / 4.0);
+  cast.set_choice("integrator", "pre-integrated");
+  cast.set("tolerance", 0.0);
   return session;
+}
+
+std::unique_ptr<SceneOnDevice> scene_of_ideal(const PixelWork::Inputs& in, const Session& session) {
+  if (!session.output.converged_ideal) return nullptr;
+  ReplayOptions options = in.options;
+  options.messages = false;
+  return load_scene(in.device, session, options, in.headset, in.placement);
 }
 
 }  // namespace
 
 PixelWork::Ideal::Ideal(const Inputs& in)
-    : session(with_rays(in.session, in.full_rate)),
-      renderer(in.device, session, in.headset, in.scene, in.placement, in.data_folder,
+    : session(ideal_session(in.session, in.options.full_rate)),
+      own_scene(scene_of_ideal(in, session)),
+      scene(own_scene ? *own_scene : in.scene),
+      renderer(in.device, session, in.headset, scene, in.placement, in.options.data_folder,
                EyeRenderer::Counting::off, nullptr, EyeRenderer::SecondEye::ray_cast),
-      display(in.device, in.headset, in.no_warp, in.data_folder),
+      display(in.device, in.headset, in.options.no_warp, in.options.data_folder),
       eyes(make_eye_pair(in.device, in.headset.eye)) {}
 
 PixelWork::PixelWork(const Inputs& inputs)
@@ -29,11 +51,11 @@ PixelWork::PixelWork(const Inputs& inputs)
       error_at_(inputs.session.output.error, inputs.vsyncs),
       pictures_at_(inputs.session.output.images, inputs.vsyncs),
       renderer_(inputs.device, inputs.session, inputs.headset, inputs.scene, inputs.placement,
-                inputs.data_folder, EyeRenderer::Counting::on, inputs.watchdog),
+                inputs.options.data_folder, EyeRenderer::Counting::on, inputs.watchdog),
       display_(
-          inputs.device, inputs.headset, inputs.session.pipeline.at("warp"), inputs.no_warp,
+          inputs.device, inputs.headset, inputs.session.pipeline.at("warp"), inputs.options.no_warp,
           scene_activation(inputs.device, inputs.session, inputs.headset, inputs.scene, inputs.placement),
-          inputs.data_folder) {
+          inputs.options.data_folder) {
   for (EyePair& slot : slots_)
     slot = make_eye_pair(inputs.device, inputs.headset.eye);
   if (!error_at_.any()) return;
@@ -46,7 +68,7 @@ PixelWork::PixelWork(const Inputs& inputs)
 JobOutcome PixelWork::show_transfer(std::int64_t version) {
   const JobOutcome outcome = in_.scene.show_transfer(in_.device, version);
   renderer_.transfer_changed();
-  if (ideal_) ideal_->renderer.transfer_changed();
+  if (ideal_ && !ideal_->own_scene) ideal_->renderer.transfer_changed();
   return outcome;
 }
 
@@ -78,15 +100,24 @@ ShowOutcome PixelWork::show(const ShowRequest& request) {
   return {none, none};
 }
 
+void PixelWork::show_ideal_transfer(std::int64_t version) {
+  if (ideal_->scene.transfer_version == version) return;
+  if (!ideal_->own_scene) {
+    show_transfer(version);
+    return;
+  }
+  ideal_->scene.show_transfer(in_.device, version);
+  ideal_->renderer.transfer_changed();
+}
+
 ShowOutcome PixelWork::measure_error(const ShowRequest& request) {
   const Pose& true_world_from_head = request.true_world_from_head;
   const std::int64_t shown_version = in_.scene.transfer_version;
-  const bool differs = request.transfer_version != shown_version;
-  if (differs) show_transfer(request.transfer_version);
+  show_ideal_transfer(request.transfer_version);
   ideal_->renderer.render(true_world_from_head, ideal_->eyes);
   ideal_->display.show({ideal_->eyes, true_world_from_head, true_world_from_head});
   const PanelPair ideal = ideal_->display.read();
-  if (differs) show_transfer(shown_version);  // what is cast next still shows it
+  if (!ideal_->own_scene) show_ideal_transfer(shown_version);  // what is cast next still shows it
   return {dssim_from_ssim(ssim(shown_[0], ideal[0], visible_[0])),
           dssim_from_ssim(ssim(shown_[1], ideal[1], visible_[1]))};
 }

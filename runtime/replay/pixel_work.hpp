@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -24,13 +25,11 @@ class PixelWork final : public FrameWork {
     const Headset& headset;
     SceneOnDevice& scene;
     const VolumePlacement& placement;
-    const std::filesystem::path& data_folder;
-    const PipelineStage& no_warp;    // warp/none: what the ideal picture is shown with
-    const PipelineStage& full_rate;  // rays/full_rate: what it is rendered with
-    std::int64_t vsyncs = 0;         // of the whole run
-    RunDirectory& run;               // where pictures go
-    std::string picture_folder;      // in the run directory
-    Watchdog* watchdog = nullptr;    // of the eye frames
+    const ReplayOptions& options;  // with the stages of the ideal picture
+    std::int64_t vsyncs = 0;       // of the whole run
+    RunDirectory& run;             // where pictures go
+    std::string picture_folder;    // in the run directory
+    Watchdog* watchdog = nullptr;  // of the eye frames
   };
   explicit PixelWork(const Inputs& inputs);
 
@@ -47,13 +46,16 @@ class PixelWork final : public FrameWork {
   /// An ideal render: full quality, the true pose and transfer function of photon time, no warp.
   struct Ideal {
     explicit Ideal(const Inputs& in);
-    Session session;  // the run's, with a ray for every pixel
+    Session session;  // the run's, with a ray for every pixel; with output.ideal = "converged" finer steps
+    std::unique_ptr<SceneOnDevice> own_scene;  // null where the run's serves
+    SceneOnDevice& scene;
     EyeRenderer renderer;
     PanelDisplay display;
     EyePair eyes;
   };
 
   JobOutcome show_transfer(std::int64_t version);
+  void show_ideal_transfer(std::int64_t version);
   ShowOutcome measure_error(const ShowRequest& request);
   void keep_pictures(std::int64_t vsync_index);
 

@@ -151,7 +151,7 @@ ReplayOutcome replay(const std::vector<LabelledSession>& sessions, const ReplayO
   std::vector<Series> all;
   for (const LabelledSession& labelled : sessions) {
     if (!device && needs_device(labelled.session)) device.emplace(gpu::DeviceOptions{.select = options.gpu});
-    Headset own_headset = make_headset(labelled.session.device, options.data_folder);
+    Headset own_headset = make_headset(labelled.session, options.data_folder);
     HeadTrace own_trace = load_head_trace(labelled.session.trace, options.data_folder);
     all.push_back(replay_series(labelled, options, own_headset, own_trace, device ? &*device : nullptr, run));
     if (!headset) {

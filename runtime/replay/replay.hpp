@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "runtime/report/report_input.hpp"
 #include "runtime/session/session.hpp"
 
 namespace brace {
@@ -17,6 +18,8 @@ struct ReplayOptions {
   PipelineStage no_warp{};              // warp/none: what ideal pictures are shown with
   PipelineStage full_rate{};            // rays/full_rate: what they are rendered with
   std::function<bool()> interrupted{};  // asked often; once true, the replay ends with Interrupted
+  int probes = 64;                      // most eye frames rendered to count work where no pictures are made
+  bool messages = true;                 // on stderr: what auto chose, memory
 };
 
 /// The user asked the replay to end.
@@ -33,6 +36,7 @@ inline void throw_if_interrupted(const ReplayOptions& options) {
 struct LabelledSession {
   std::string label;
   Session session;
+  std::vector<LeftOut> left_out{};  // by the planner, for the report
 };
 
 struct ReplayOutcome {

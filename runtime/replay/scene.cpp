@@ -12,11 +12,11 @@ namespace brace {
 
 namespace {
 
-void build_skip_structure(const gpu::Device& device, const Session& session,
-                          const std::filesystem::path& data_folder, const Headset& headset,
-                          const VolumePlacement& placement, SceneOnDevice& scene) {
+void build_skip_structure(const gpu::Device& device, const Session& session, const ReplayOptions& replay,
+                          const Headset& headset, const VolumePlacement& placement, SceneOnDevice& scene) {
+  const std::filesystem::path& data_folder = replay.data_folder;
   scene.skip_kernels = std::make_unique<SkipKernels>(device, data_folder / "kernels" / "skip");
-  choose_skip_stage(session, scene);
+  choose_skip_stage(session, scene, replay.messages);
   if (scene.skip_stage.stage.native != nullptr) {
     auto stage = std::make_unique<ActiveStage>(scene.skip_stage,
                                                scene_activation(device, session, headset, scene, placement));
@@ -101,7 +101,7 @@ std::unique_ptr<SceneOnDevice> load_scene(const gpu::Device& device, const Sessi
   scene->step_units = step_voxels_of(session);
   scene->transfer =
       TransferOnDevice(device, scene->table, scene->step_units, transfer_extras(session.pipeline.at("cast")));
-  build_skip_structure(device, session, options.data_folder, headset, placement, *scene);
+  build_skip_structure(device, session, options, headset, placement, *scene);
   scene->show_transfer(device, 0);
   return scene;
 }

@@ -149,7 +149,9 @@ Series replay_series(const LabelledSession& labelled, const ReplayOptions& optio
   Series series;
   series.label = labelled.label;
   series.pipeline = stage_choices(session);
-  series.left_out = left_out(session, headset);
+  series.left_out = labelled.left_out;
+  for (LeftOut& one : left_out(session, headset))
+    series.left_out.push_back(std::move(one));
 
   const SimTime start = head_trace.trace.begin_time() + from_s(session.trace.start_s);
   HeadMotion head(

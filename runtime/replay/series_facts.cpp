@@ -19,10 +19,9 @@ std::vector<LeftOut> left_out(const Session& session, const Headset& headset) {
     if (chosen.stage.name == "none") left.push_back({family, "the session names none"});
   }
   if (session.scene.shading == "none") left.push_back({"shading", "unlit: no gradient in the kernel"});
-  const sim::EyeProfile& eye = headset.profile.eyes[0];
-  if (sim::lens_is_identity(eye.lens, eye.fov)) {
-    left.push_back({"distortion", "the lens polynomial is 1"});
-  } else if (sim::lens_channels_equal(eye.lens)) {
+  if (lens_does_nothing(headset)) {
+    if (!headset.distort_always) left.push_back({"distortion", "the lens polynomial is 1"});
+  } else if (channels_equal(headset) && !headset.fetch_channels_always) {
     left.push_back({"chromatic channels", "the channels' polynomials are equal: one fetch instead of three"});
   }
   if (headset.profile.scan_out.direction == sim::ScanDirection::global) {

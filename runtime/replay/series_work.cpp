@@ -13,7 +13,6 @@ namespace brace {
 
 namespace {
 
-constexpr int kProbes = 64;
 /// Shares of the rays that are probed where load control can change them.
 constexpr std::array kQualities = {0.7, 0.5, 0.35, 0.25, 0.15, 0.08};
 
@@ -27,10 +26,11 @@ bool prices_work(const Session& session) {
   return session.clock.cost.rfind("model:", 0) == 0 || session.clock.cost.rfind("stage:", 0) == 0;
 }
 
-/// Up to kProbes vsyncs of the run, and both sides of each change of the transfer function.
-std::set<SimTime> probe_times(const TransferSchedule& transfer, const Headset& headset, std::int64_t vsyncs) {
+/// Up to `probes` vsyncs of the run, and both sides of each change of the transfer function.
+std::set<SimTime> probe_times(const TransferSchedule& transfer, const Headset& headset, std::int64_t vsyncs,
+                              int probes) {
   const sim::VsyncClock clock(SimTime(), headset.profile.refresh);
-  const std::int64_t count = std::min<std::int64_t>(kProbes, vsyncs);
+  const std::int64_t count = std::min<std::int64_t>(probes, vsyncs);
   std::set<SimTime> times;
   for (std::int64_t i = 0; i < count; ++i)
     times.insert(clock.time_of(count == 1 ? 0 : i * (vsyncs - 1) / (count - 1)));
@@ -67,7 +67,8 @@ WorkProbe probe_cast(const Session& session, EyeRenderer& renderer, const Pose& 
 CountedWork probe_work(const SeriesWorkInputs& in, EyeRenderer& renderer, SceneOnDevice& scene,
                        const WorkCounts& warp) {
   const EyePair eyes = make_eye_pair(*in.device, in.headset.eye);
-  const std::set<SimTime> times = probe_times(scene.versions.schedule(), in.headset, in.vsyncs);
+  const std::set<SimTime> times =
+      probe_times(scene.versions.schedule(), in.headset, in.vsyncs, in.options.probes);
   HeadMotion head = in.head;
   std::vector<double> qualities;
   if (quality_counts(in.session)) qualities.assign(kQualities.begin(), kQualities.end());
@@ -95,9 +96,9 @@ CountedWork probe_work(const SeriesWorkInputs& in, EyeRenderer& renderer, SceneO
   return CountedWork(std::move(probes), SimDuration(0), std::move(qualities));
 }
 
-std::string probe_fact(std::int64_t vsyncs) {
+std::string probe_fact(std::int64_t vsyncs, int probes) {
   return fmt::format("interpolated between {} eye frames rendered along the trace",
-                     std::min<std::int64_t>(kProbes, vsyncs));
+                     std::min<std::int64_t>(probes, vsyncs));
 }
 
 std::unique_ptr<FrameWork> count_with_probes(const SeriesWorkInputs& in, SeriesWork& work) {
@@ -118,7 +119,7 @@ void announce_stereo(const SeriesWorkInputs& in, SeriesWork& work) {
   if (!is_single_pass(in.session)) return;
   const StereoPlan plan =
       plan_single_pass(*in.device, in.session, in.headset, work.scene->volume.info(), in.placement);
-  fmt::print(stderr, "stereo/layers: {}\n", plan.summary);
+  if (in.options.messages) fmt::print(stderr, "stereo/layers: {}\n", plan.summary);
   work.facts.push_back({"stereo/layers", plan.summary});
   if (plan.layers_left_out) work.left_out.push_back({"stereo", plan.summary});
 }
@@ -161,14 +162,14 @@ SeriesWork make_work(const SeriesWorkInputs& in) {
   }
   if (makes_pictures(session) || session.clock.cost == "measured") {
     const std::string folder = in.label.empty() ? "images" : "images-" + file_part(in.label);
-    auto rendered = std::make_unique<PixelWork>(PixelWork::Inputs{
-        *in.device, session, in.headset, *work.scene, in.placement, in.options.data_folder,
-        in.options.no_warp, in.options.full_rate, in.vsyncs, in.run, folder, work.watchdog.get()});
+    auto rendered = std::make_unique<PixelWork>(
+        PixelWork::Inputs{*in.device, session, in.headset, *work.scene, in.placement, in.options, in.vsyncs,
+                          in.run, folder, work.watchdog.get()});
     work.pixels = rendered.get();
     work.frame_work = std::move(rendered);
   } else if (work.scene) {
     work.frame_work = count_with_probes(in, work);
-    work.facts.push_back({"counted work", probe_fact(in.vsyncs)});
+    work.facts.push_back({"counted work", probe_fact(in.vsyncs, in.options.probes)});
   } else if (session.clock.cost.rfind("recorded:", 0) == 0) {
     work.frame_work = std::make_unique<RecordedWork>(session.clock.cost.substr(9));
     work.facts.push_back({"counted work", "that of the recorded run"});

@@ -13,11 +13,6 @@ namespace {
 
 constexpr std::size_t tables_counted_max = 3;  // each is a pass over the volume
 
-void set_value(PipelineStage& stage, const char* name, int value) {
-  for (std::size_t i = 0; i < stage.stage.parameters.size(); ++i)
-    if (stage.stage.parameters[i].name == name) stage.values[i] = value;
-}
-
 /// Mean share of occupied blocks under the transfer functions of the run: first, middle and last.
 double mean_occupancy(const SceneOnDevice& scene, const std::vector<TransferTable>& tables) {
   const std::size_t count = std::min(tables.size(), tables_counted_max);
@@ -31,7 +26,7 @@ double mean_occupancy(const SceneOnDevice& scene, const std::vector<TransferTabl
 
 }  // namespace
 
-void choose_skip_stage(const Session& session, SceneOnDevice& scene) {
+void choose_skip_stage(const Session& session, SceneOnDevice& scene, bool messages) {
   const PipelineStage& named = session.pipeline.at("skip");
   scene.skip_stage = named;
   if (named.stage.name != "auto") return;
@@ -48,11 +43,11 @@ void choose_skip_stage(const Session& session, SceneOnDevice& scene) {
   if (found == session.skip_candidates.end())
     throw input_error("skip/auto chose skip/{}, which is not installed", name);
   scene.skip_stage = *found;
-  set_value(scene.skip_stage, "partitions", choice.options.partitions);
-  set_value(scene.skip_stage, "range_minima", static_cast<int>(choice.options.range_minima));
-  set_value(scene.skip_stage, "placement", static_cast<int>(choice.options.placement));
+  scene.skip_stage.set("partitions", choice.options.partitions);
+  scene.skip_stage.set("range_minima", static_cast<int>(choice.options.range_minima));
+  scene.skip_stage.set("placement", static_cast<int>(choice.options.placement));
   scene.skip_reason = choice.reason;
-  fmt::print(stderr, "skip/auto: {}\n", choice.reason);
+  if (messages) fmt::print(stderr, "skip/auto: {}\n", choice.reason);
 }
 
 }  // namespace brace

@@ -6,6 +6,7 @@
 #include "base/error.hpp"
 #include "runtime/metrics/pacing.hpp"
 #include "runtime/report/figures_json.hpp"
+#include "runtime/timeline/gpu_time.hpp"
 
 namespace brace {
 
@@ -135,6 +136,13 @@ Json figures_json(const RunSeries& series) {
   json["fps_avg"] = real(rate.fps_avg);
   json["fps_1pct_low"] = real(rate.fps_1pct_low);
   json["fps_1pct_low_mean"] = real(rate.fps_1pct_low_mean);
+  if (!series.jobs.empty()) {
+    const GpuTime gpu = gpu_time(series.jobs);
+    json["gpu_ms"] = {{"frame", real(gpu.frame_ms())},
+                      {"cast", real(gpu.cast_ms)},
+                      {"update", real(gpu.update_ms)},
+                      {"warp", real(gpu.warp_ms)}};
+  }
   json["dssim"] = dssim_json(series.records);
   json["angular_error_deg"] = distribution_json(pacing.angular_error_deg);
   json["position_error_mm"] = distribution_json(pacing.position_error_mm);

@@ -8,6 +8,7 @@
 
 #include "base/error.hpp"
 #include "base/suggest.hpp"
+#include "runtime/session/plan_keys.hpp"
 #include "runtime/session/session_paths.hpp"
 #include "runtime/session/session_table.hpp"
 #include "runtime/session/transfer_keys.hpp"
@@ -413,6 +414,10 @@ void write_stage_values(SessionTable& table, const Session& session) {
 
 }  // namespace
 
+bool Session::Plan::keeps_idle(const std::string& item) const {
+  return mode == Mode::none || std::find(keep.begin(), keep.end(), item) != keep.end();
+}
+
 Session parse_session(const std::string& text, const std::string& file_name,
                       const std::filesystem::path& folder, const Overrides& overrides,
                       const StageRegistry& stages) {
@@ -422,6 +427,7 @@ Session parse_session(const std::string& text, const std::string& file_name,
   table.check_and_complete();
 
   Session session;
+  session.plan = read_plan(table, stages);
   session.file = file_name;
   session.name = std::filesystem::path(file_name).stem().string();
   session.device = read_device(table);
@@ -433,6 +439,7 @@ Session parse_session(const std::string& text, const std::string& file_name,
     session.skip_candidates = read_skip_candidates(table, stages);
   session.output.images = read_selection(table, "output.images");
   session.output.error = read_selection(table, "output.error");
+  session.output.converged_ideal = table.choice("output.ideal") == "converged";
   if (table.node("run.frames") != nullptr) {
     session.run.frames = static_cast<std::int64_t>(table.number_in("run.frames", 1, 1e12));
   }

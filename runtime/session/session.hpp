@@ -95,8 +95,9 @@ struct Session {
       std::int64_t every = 1;
       std::vector<std::int64_t> list;
     };
-    Selection images;  // default: first, middle, last
-    Selection error;   // vsyncs whose image error is measured
+    Selection images;              // default: first, middle, last
+    Selection error;               // vsyncs whose image error is measured
+    bool converged_ideal = false;  // the ideal picture's steps are a quarter of the session's, pre-integrated
   } output;
 
   struct Run {
@@ -105,6 +106,17 @@ struct Session {
     WatchdogLevel watchdog = WatchdogLevel::off;
     std::optional<double> deadline_ms;  // of a job; default: a display period
   } run;
+
+  /// What the run does without. Items are those of plan_keys.hpp.
+  struct Plan {
+    enum class Mode {
+      idle,       // what does nothing here by construction
+      automatic,  // what the planner finds is not needed (runtime/plan)
+      none        // nothing: even what does nothing runs
+    } mode = Mode::idle;
+    std::vector<std::string> leave_out, keep;  // by name; the former are taken out of the session already
+    bool keeps_idle(const std::string& item) const;
+  } plan;
 
   /// Sessions that show several pipelines in one report, one run each: from compare.key and its values, or
   /// from [[compare.case]].

@@ -62,6 +62,14 @@ const std::vector<SessionKey>& session_keys() {
        "vsyncs whose pictures are kept; ends = first, middle, last"},
       {"output.error", "text", "'every:1'", "every:N|list:A,B,…|ends|none",
        "vsyncs whose image error is measured"},
+      {"output.ideal", "text", "'session'", "session|converged",
+       "what the error is against: the session's own steps at photon time, or steps a quarter as long, "
+       "pre-integrated (cast/dvr)"},
+      {"plan.leave_out", "text", "'idle'", "idle|auto|none|ITEM,…",
+       "parts to do without: what does nothing here, what the planner finds is not needed, nothing; items "
+       "are "
+       "shading, preintegration, early_termination, skip, stereo, rays, warp and more (docs/planning.md)"},
+      {"plan.keep", "text", "", "", "ITEM,…: parts that the planner must keep"},
       {"run.frames", "integer", "", "1 to 1e12", "display vsyncs; default: to the end of the trace"},
       {"run.seed", "integer", "1", "0 to 2^63-1", "seed of the tracker's noise"},
       {"run.watchdog", "text", "'off'", "off|outputs|full",

@@ -102,6 +102,20 @@ void SessionTable::set(const std::string& key, const std::string& value) {
   overridden_.push_back(key);
 }
 
+void SessionTable::put(const std::string& key, const std::string& value) {
+  const std::vector<std::string> parts = split(key, '.');
+  const toml::table parsed = toml::parse("value = " + value);
+  assign(*table_[parts[0]].as_table(), parts[1], *parsed.get("value"));
+}
+
+void SessionTable::put_of_stage(const std::string& stage, const std::string& parameter,
+                                const std::string& value) {
+  toml::table& all = *table_.insert("stage", toml::table()).first->second.as_table();
+  toml::table& own = *all.insert(stage, toml::table()).first->second.as_table();
+  const toml::table parsed = toml::parse("value = " + value);
+  assign(own, parameter, *parsed.get("value"));
+}
+
 void SessionTable::check_and_complete() {
   reject_unknown_keys(table_, file_, "", sections());
   for (const auto& [section, node] : table_) {

@@ -38,6 +38,10 @@ class SessionTable {
   std::string place(const std::string& key) const;
   [[noreturn]] void fail(const std::string& key, const std::string& what) const;
 
+  /// Replaces a key's value, or that of a parameter under [stage."FAMILY/NAME"]. `value` is TOML.
+  void put(const std::string& key, const std::string& value);
+  void put_of_stage(const std::string& stage, const std::string& parameter, const std::string& value);
+
   toml::table& table() { return table_; }
   const std::string& file() const { return file_; }
 

@@ -22,7 +22,7 @@ struct SummaryFigure {
   const char* pointer;  // into summary.json
 };
 
-constexpr std::array<SummaryFigure, 26> summary_figures{{
+constexpr std::array<SummaryFigure, 27> summary_figures{{
     {"vsyncs", "/vsyncs"},
     {"missed_vsyncs", "/missed_vsyncs"},
     {"missed_ratio", "/missed_ratio"},
@@ -41,6 +41,7 @@ constexpr std::array<SummaryFigure, 26> summary_figures{{
     {"frame_age_ms_p50", "/frame_age_ms/p50"},
     {"frame_age_ms_p95", "/frame_age_ms/p95"},
     {"frame_age_ms_p99", "/frame_age_ms/p99"},
+    {"gpu_ms_frame", "/gpu_ms/frame"},
     {"dssim_mean", "/dssim/mean"},
     {"dssim_p95", "/dssim/p95"},
     {"dssim_max", "/dssim/max"},

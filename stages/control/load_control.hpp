@@ -41,7 +41,8 @@ class PiControl {
 
 /// Holds the share of missed frames: a miss takes `step` off u, a frame on time gives step p / (1 - p) back,
 /// which balances at the share p (quantile tracking). The misses M of N frames are at most N p + (1 - p) (R +
-/// step) / step, R = -ln(quality_min), whatever the costs.
+/// step) / step, R = -ln(quality_min), whatever the costs, as long as a frame one step above quality_min is
+/// on time: below that nothing is left to cut, and misses go on uncounted.
 class QuantileControl {
  public:
   struct Settings {

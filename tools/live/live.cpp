@@ -175,13 +175,15 @@ int live_command(const LiveCommand& command) {
   if (!session.compare.empty())
     throw input_error("{}: has a [compare] section; accepted by live: a session without one",
                       command.session.string());
+  if (session.plan.mode == Session::Plan::Mode::automatic)
+    throw input_error(
+        "{}: plan.leave_out = 'auto' plans a run; accepted by live: idle, none, or the items that "
+        "`brace plan` names",
+        command.session.string());
   LiveWindow window(window_width_px, window_height_px, "brace live: " + session.name);
   const gpu::Device device({.select = command.gpu, .window_extensions = window.vulkan_extensions()});
-  const ReplayOptions options{.data_folder = data_folder(),
-                              .gpu = command.gpu,
-                              .version = BRACE_VERSION,
-                              .no_warp = {first_stages.registry.find("warp", "none", "built in"), {}},
-                              .full_rate = {first_stages.registry.find("rays", "full_rate", "built in"), {}}};
+  ReplayOptions options = replay_options(first_stages.registry, command.gpu);
+  options.interrupted = {};  // the window's loop looks itself
   gpu::SwapChain chain(device, window.make_surface());
   LiveHead head(session, options.data_folder);
   const Pose first_pose = head.at(SimTime());

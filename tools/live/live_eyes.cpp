@@ -8,7 +8,7 @@ namespace brace {
 LiveEyes::State::State(const gpu::Device& device, const ReplayOptions& options, Session taken,
                        const Pose& first_pose, std::shared_ptr<SceneOnDevice> loaded)
     : session(std::move(taken)),
-      headset(make_headset(session.device, options.data_folder)),
+      headset(make_headset(session, options.data_folder)),
       placement(place_volume(session.scene, first_pose)),
       scene(loaded
                 ? std::move(loaded)

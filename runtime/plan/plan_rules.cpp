@@ -1,0 +1,71 @@
+#include "runtime/plan/plan_rules.hpp"
+
+#include <fmt/format.h>
+
+#include "runtime/session/plan_keys.hpp"
+
+namespace brace {
+
+const std::vector<std::string>& tried_items() {
+  static const std::vector<std::string> items = {
+      "warp", "shading", "preintegration", "early_termination", "stereo", "rays", "skip"};
+  return items;
+}
+
+std::string stage_text(const Session& session, const std::string& item) {
+  if (item == "shading") return session.scene.shading;
+  if (session.pipeline.contains(item)) return session.pipeline.at(item).stage.id();
+  if (!has_item(session, item) || item == "scan_out_correction") return "-";
+  const PipelineStage& cast = session.pipeline.at("cast");
+  if (item == "preintegration") return cast.stage.id();
+  if (item == "early_termination")
+    return fmt::format("{} at {:g}", cast.stage.id(), cast.value("termination_opacity"));
+  return "display";
+}
+
+PlanRules::PlanRules(const Session& given, const std::filesystem::path& data_folder,
+                     const PlanThresholds& thresholds)
+    : thresholds_(thresholds),
+      facts_(
+          scene_facts(given, make_headset(given, data_folder), load_head_trace(given.trace, data_folder))) {}
+
+ErrorVerdict PlanRules::warp_error(const Session& without, PlanTrials& trials) const {
+  const PlanTrial trial = trials.replay_briefly(without);
+  const double off_px = facts_.off_px(trial.angular_error_deg, trial.position_error_mm);
+  return {off_px <= thresholds_.warp_px,
+          fmt::format("without it the picture is off by {:.2f} px (p95), limit {:g}", off_px,
+                      thresholds_.warp_px)};
+}
+
+ErrorVerdict PlanRules::error_without(const std::string& item, const Session& whole, const Session& without,
+                                      PlanTrials& trials) const {
+  if (item == "warp") return warp_error(without, trials);
+  if (item != "shading" && item != "preintegration") return {};
+  const std::optional<double> change = trials.picture_change(whole, without);
+  if (!change) return {};
+  return {*change <= thresholds_.picture_dssim,
+          fmt::format("without it pictures change by DSSIM {:.4f}, limit {:g}", *change,
+                      thresholds_.picture_dssim)};
+}
+
+double PlanRules::least_saving_ms(const PlanTrial& trial) const {
+  return trial.deterministic ? 0.0 : thresholds_.measured_share * trial.frame_ms;
+}
+
+void PlanRules::judge_display(const Session& given, PlanLine& line) const {
+  if (line.item == "scan_out_correction") {
+    line.figure = fmt::format(
+        "no stage corrects for it; the view moves by {:.2f} px (p95) in a scan-out, "
+        "visible above {:g}",
+        facts_.scan_out_px(), thresholds_.scan_out_px);
+    return;
+  }
+  const bool distortion = line.item == "distortion";
+  const bool idle = distortion ? facts_.lens_does_nothing : facts_.channels_equal;
+  line.verdict = !idle || given.plan.keeps_idle(line.item) ? PlanVerdict::kept : PlanVerdict::idle;
+  line.figure = distortion
+                    ? (idle ? "the lens polynomial is 1" : "the lens bends the picture")
+                    : (idle ? "the channels' polynomials are equal: one fetch" : "a polynomial per channel");
+}
+
+}  // namespace brace
