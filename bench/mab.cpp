@@ -8,6 +8,7 @@
 
 #include <fmt/core.h>
 
+#include "bench/eye_rig.hpp"
 #include "bench/median.hpp"
 #include "runtime/metrics/image_error.hpp"
 #include "runtime/replay/eye_renderer.hpp"
@@ -41,27 +42,6 @@ Session session_of(const MabBenchOptions& options, const Scene& scene, const std
       scene.profile, scene.resolution_scale, rays, scene.volume, map, scheme, levels_text);
   return parse_session(text, "bench", ".", {}, options.stages);
 }
-
-/// A renderer for one session, with what it needs.
-struct Rig {
-  Rig(const gpu::Device& device, const MabBenchOptions& options, Session session_taken)
-      : session(std::move(session_taken)),
-        headset(make_headset(session, options.data_folder)),
-        placement(place_volume(session.scene, Pose{})),
-        scene(load_scene(device, session, {.data_folder = options.data_folder}, headset, placement)),
-        renderer(device, session, headset, *scene, placement, options.data_folder, EyeRenderer::Counting::on),
-        eyes(make_eye_pair(device, headset.eye)) {}
-
-  JobOutcome render(double quality = 1.0) { return renderer.render(Pose{}, eyes, quality); }
-  double pixels() const { return 2.0 * headset.eye.width_px * headset.eye.height_px; }
-
-  Session session;
-  Headset headset;
-  VolumePlacement placement;
-  std::unique_ptr<SceneOnDevice> scene;
-  EyeRenderer renderer;
-  EyePair eyes;
-};
 
 /// The panel's pixels by the square of the share of rays that the eye resolves there.
 std::vector<double> acuity_weights(const Headset& headset, sim::Eye which) {
@@ -109,7 +89,7 @@ MabErrorRow compare(const PanelPair& shown, const PanelPair& ideal, const Headse
 
 void measure_errors(const gpu::Device& device, const MabBenchOptions& options, const Scene& scene,
                     std::vector<MabErrorRow>& rows) {
-  Rig full(device, options, session_of(options, scene, "full_rate", "radius", "compact"));
+  EyeRig full(device, options.data_folder, session_of(options, scene, "full_rate", "radius", "compact"));
   const PipelineStage no_warp{options.stages.find("warp", "none", "bench"), {}};
   PanelDisplay display(device, full.headset, no_warp, options.data_folder);
   const auto shown = [&](const EyePair& eyes) {
@@ -120,7 +100,7 @@ void measure_errors(const gpu::Device& device, const MabBenchOptions& options, c
   const PanelPair ideal = shown(full.eyes);
   for (const char* map : maps) {
     options.progress(fmt::format("mab: {} {} {}", scene.profile, scene.volume, map));
-    Rig mab(device, options, session_of(options, scene, "mab", map, "compact"));
+    EyeRig mab(device, options.data_folder, session_of(options, scene, "mab", map, "compact"));
     const std::optional<MabPlan> plan = plan_mab(mab.session, mab.headset);
     for (const double quality : qualities) {
       mab.render(quality);
@@ -168,11 +148,11 @@ MabMapRow compare_maps(const std::vector<MabErrorRow>& errors, const Scene& scen
 
 void measure_times(const gpu::Device& device, const MabBenchOptions& options, const Scene& scene,
                    std::vector<MabTimeRow>& rows) {
-  Rig full(device, options, session_of(options, scene, "full_rate", "radius", "compact"));
+  EyeRig full(device, options.data_folder, session_of(options, scene, "full_rate", "radius", "compact"));
   for (const char* map : {"radius", "lens_eccentricity"})
     for (const char* scheme : {"compact", "discard"}) {
       options.progress(fmt::format("mab: times, {} {}", map, scheme));
-      Rig mab(device, options, session_of(options, scene, "mab", map, scheme));
+      EyeRig mab(device, options.data_folder, session_of(options, scene, "mab", map, scheme));
       std::vector<double> full_ns, mab_ns;
       double full_rays = 0, mab_rays = 0;
       for (int i = -2; i < options.repetitions; ++i) {  // two to warm up

@@ -11,6 +11,7 @@
 #include "bench/host.hpp"
 #include "bench/integrators.hpp"
 #include "bench/mab.hpp"
+#include "bench/plan.hpp"
 #include "bench/raycast.hpp"
 #include "bench/replay.hpp"
 #include "bench/schedule.hpp"
@@ -132,6 +133,20 @@ std::string run_warp(const BenchCommand& command) {
   return command.json ? to_json(result) : to_text(result);
 }
 
+std::string run_plan(const BenchCommand& command) {
+  PlanBenchOptions options;
+  options.device = device_options(command);
+  options.data_folder = data_folder();
+  options.stages = make_stages({}).registry;
+  if (command.quick) {
+    options.resolution_scale = 0.15;
+    options.repetitions = 10;
+  }
+  if (!command.volumes.empty()) options.volumes = command.volumes;
+  const PlanBenchResult result = bench_plan(options);
+  return command.json ? to_json(result) : to_text(result);
+}
+
 struct Benchmark {
   std::string name;
   std::function<std::string(const BenchCommand&)> run;
@@ -146,6 +161,7 @@ const std::vector<Benchmark>& benchmarks() {
                                              {"host", run_host},
                                              {"integrators", run_integrators},
                                              {"mab", run_mab},
+                                             {"plan", run_plan},
                                              {"schedule", run_schedule},
                                              {"warp", run_warp}};
   return all;

@@ -12,7 +12,7 @@ namespace brace {
 
 /// Where doing without shows, each measured by `brace bench plan` (docs/planning.md).
 struct PlanThresholds {
-  double warp_px = 0.25;         // p95 of how far a picture without warp is off
+  double warp_px = 0.25;         // added by doing without to how far a picture is off, p95
   double scan_out_px = 1.0;      // p95 of how far the head turns while a rolling panel is lit
   double picture_dssim = 0.002;  // of pictures with and without
   double measured_share = 0.03;  // savings below are noise where costs are measured

@@ -36,7 +36,8 @@ class PlanRules {
   void judge_display(const Session& given, PlanLine& line) const;
 
  private:
-  ErrorVerdict warp_error(const Session& without, PlanTrials& trials) const;
+  ErrorVerdict warp_error(const Session& whole, const Session& without, PlanTrials& trials) const;
+  ErrorVerdict integrator_error(const Session& whole, const Session& without, PlanTrials& trials) const;
 
   PlanThresholds thresholds_;
   SceneFacts facts_;

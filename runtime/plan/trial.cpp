@@ -6,6 +6,7 @@
 
 #include "runtime/metrics/image_error.hpp"
 #include "runtime/metrics/pacing.hpp"
+#include "runtime/replay/cast_integrator.hpp"
 #include "runtime/replay/panel_display.hpp"
 #include "runtime/replay/series.hpp"
 #include "runtime/replay/series_work.hpp"
@@ -65,9 +66,10 @@ PlanTrial PlanTrials::replay_now(const Session& session) {
           series.deterministic};
 }
 
-const PlanTrials::Pictures& PlanTrials::pictures_of(const Session& session) {
-  std::unique_ptr<Pictures>& made = made_[session.resolved_toml];
+const PlanTrials::Pictures& PlanTrials::pictures_of(const Session& given, bool converged) {
+  std::unique_ptr<Pictures>& made = made_[(converged ? "converged\n" : "") + given.resolved_toml];
   if (made) return *made;
+  const Session session = converged ? converged_session(given).value() : given;
   const gpu::Device& device = *device_for(session);
   const Headset headset = make_headset(session, options_.data_folder);
   const HeadTrace trace = load_head_trace(session.trace, options_.data_folder);
@@ -94,16 +96,22 @@ const PlanTrials::Pictures& PlanTrials::pictures_of(const Session& session) {
   return *made;
 }
 
+double PlanTrials::largest_dssim(const Pictures& a, const Pictures& b) {
+  double largest = 0.0;
+  for (std::size_t i = 0; i < a.panels.size(); ++i)
+    for (std::size_t eye = 0; eye < 2; ++eye)
+      largest = std::max(largest, dssim_from_ssim(ssim(a.panels[i][eye], b.panels[i][eye], a.visible[eye])));
+  return largest;
+}
+
 std::optional<double> PlanTrials::picture_change(const Session& a, const Session& b) {
   if (!needs_device(a) || !needs_device(b)) return std::nullopt;
-  const Pictures& one = pictures_of(a);
-  const Pictures& other = pictures_of(b);
-  double largest = 0.0;
-  for (std::size_t i = 0; i < one.panels.size(); ++i)
-    for (std::size_t eye = 0; eye < 2; ++eye)
-      largest = std::max(largest,
-                         dssim_from_ssim(ssim(one.panels[i][eye], other.panels[i][eye], one.visible[eye])));
-  return largest;
+  return largest_dssim(pictures_of(a), pictures_of(b));
+}
+
+std::optional<double> PlanTrials::picture_error(const Session& session) {
+  if (!needs_device(session) || !converged_session(session)) return std::nullopt;
+  return largest_dssim(pictures_of(session), pictures_of(session, true));
 }
 
 }  // namespace brace

@@ -39,16 +39,20 @@ class PlanTrials {
   /// `pictures` poses and both eyes. Empty where a session renders nothing.
   std::optional<double> picture_change(const Session& a, const Session& b);
 
+  /// The same between a session and itself with converged steps. Empty also where cast/dvr does not cast.
+  std::optional<double> picture_error(const Session& session);
+
  private:
   struct Pictures;
   PlanTrial replay_now(const Session& session);
-  const Pictures& pictures_of(const Session& session);
+  const Pictures& pictures_of(const Session& session, bool converged = false);
+  static double largest_dssim(const Pictures& a, const Pictures& b);
   const gpu::Device* device_for(const Session& session);
 
   ReplayOptions options_;
   std::optional<gpu::Device> device_;
   std::map<std::string, PlanTrial> replayed_;              // by resolved session
-  std::map<std::string, std::unique_ptr<Pictures>> made_;  // by resolved session
+  std::map<std::string, std::unique_ptr<Pictures>> made_;  // by resolved session, converged or not
 };
 
 }  // namespace brace

@@ -47,4 +47,14 @@ TransferExtras transfer_extras(const PipelineStage& cast) {
   return extras;
 }
 
+std::optional<Session> converged_session(const Session& session) {
+  if (session.pipeline.at("cast").stage.id() != "cast/dvr") return std::nullopt;
+  Session converged = session;
+  PipelineStage& cast = converged.pipeline.at("cast");
+  cast.set("step_voxels", cast.value("step_voxels") / 4.0);
+  cast.set_choice("integrator", "pre-integrated");
+  cast.set("tolerance", 0.0);
+  return converged;
+}
+
 }  // namespace brace

@@ -1,7 +1,10 @@
 #pragma once
 
+#include <optional>
+
 #include "runtime/host/stage_registry.hpp"
 #include "runtime/raycast/transfer_on_device.hpp"
+#include "runtime/session/session.hpp"
 
 namespace brace {
 
@@ -9,5 +12,8 @@ namespace brace {
 /// "pre-integrated" and, with fixed steps, a choice `preintegration` with "table". Throws input_error for a
 /// combination of parameters that means nothing.
 TransferExtras transfer_extras(const PipelineStage& cast);
+
+/// The session with steps a quarter as long, fixed and pre-integrated; empty unless cast/dvr casts it.
+std::optional<Session> converged_session(const Session& session);
 
 }  // namespace brace

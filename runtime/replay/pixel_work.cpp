@@ -6,26 +6,20 @@
 
 #include "base/error.hpp"
 #include "runtime/metrics/image_error.hpp"
+#include "runtime/replay/cast_integrator.hpp"
 
 namespace brace {
 
 namespace {
 
-/// The session of ideal pictures: a ray per pixel, and where the session asks for converged ones steps a
-/// quarter as long, pre-integrated.
+/// The session of ideal pictures: a ray per pixel, and where the session asks for them converged ones.
 Session ideal_session(Session session, const PipelineStage& rays) {
   session.pipeline.at("rays") = rays;
   if (!session.output.converged_ideal) return session;
-  PipelineStage& cast = session.pipeline.at("cast");
-  if (cast.stage.id() != "cast/dvr") {
-    throw input_error(
-        "{}: output.ideal = 'converged' is made by cast/dvr; accepted with pipeline.cast = '{}': session",
-        session.file.string(), cast.stage.name);
-  }
-  cast.set("step_voxels", cast.value("step_voxels") / 4.0);
-  cast.set_choice("integrator", "pre-integrated");
-  cast.set("tolerance", 0.0);
-  return session;
+  if (const auto converged = converged_session(session)) return *converged;
+  throw input_error(
+      "{}: output.ideal = 'converged' is made by cast/dvr; accepted with pipeline.cast = '{}': session",
+      session.file.string(), session.pipeline.at("cast").stage.name);
 }
 
 std::unique_ptr<SceneOnDevice> scene_of_ideal(const PixelWork::Inputs& in, const Session& session) {

@@ -42,7 +42,11 @@ bool contains(const std::vector<std::string>& list, const std::string& one) {
 std::vector<std::string> words_of(const SessionTable& table, const char* key,
                                   const std::vector<std::string>& accepted) {
   std::vector<std::string> words;
-  std::istringstream stream(table.optional_text(key).value_or(""));
+  const auto given = table.optional_text(key);
+  if (!given) return words;
+  if (given->empty())
+    table.fail(key, fmt::format("is empty; accepted: {}, joined by commas", join(accepted)));
+  std::istringstream stream(*given);
   for (std::string word; std::getline(stream, word, ',');) {
     if (!contains(accepted, word))
       table.fail(

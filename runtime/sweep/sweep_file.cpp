@@ -30,7 +30,8 @@ bool is_table_key(const std::string& key) {
 void collect_keys(const toml::table& table, const std::string& prefix, std::vector<KeyNode>& found) {
   for (const auto& [name, node] : table) {
     const std::string key = prefix + std::string(name.str());
-    if (node.is_table() && !is_table_key(key))
+    // `trace.neck = { … }` is a value; `trace.neck.motion = …` sets a part of it.
+    if (node.is_table() && !(is_table_key(key) && node.as_table()->is_inline()))
       collect_keys(*node.as_table(), key + ".", found);
     else
       found.push_back({key, &node});
@@ -62,10 +63,25 @@ std::vector<KeyNode> keys_in_order(const toml::table& table, const std::string& 
   return found;
 }
 
-SweepSetting setting_of(const std::string& key, const toml::node& node) {
+/// A value as TOML on one line: a table by itself would be printed as a file.
+std::string value_text(const toml::node& node) {
   std::ostringstream text;
+  if (node.is_table()) {
+    toml::array list;
+    list.push_back(*node.as_table());
+    text << toml::toml_formatter(list,
+                                 toml::toml_formatter::default_flags & ~toml::format_flags::indentation);
+    const std::string in_brackets = text.str();
+    const std::size_t begin = in_brackets.find('{');
+    return in_brackets.substr(begin, in_brackets.rfind('}') + 1 - begin);
+  }
   node.visit([&](const auto& concrete) { text << concrete; });
-  SweepSetting setting{key, text.str(), text.str()};
+  return text.str();
+}
+
+SweepSetting setting_of(const std::string& key, const toml::node& node) {
+  const std::string text = value_text(node);
+  SweepSetting setting{key, text, text};
   if (const auto* integer = node.as_integer()) setting.value = integer->get();
   if (const auto* number = node.as_floating_point()) setting.value = number->get();
   if (const auto* plain = node.as_string()) setting.value = plain->get();

@@ -93,8 +93,9 @@ TEST(SessionKeys, EveryChoiceThatTheListNamesIsAccepted) {
     if (std::string(key.name) == "scene.front") overrides.emplace_back("scene.up", "+x");
     for (std::size_t begin = 0; begin <= accepted.size();) {
       const std::size_t end = std::min(accepted.find('|', begin), accepted.size());
-      const std::string value = accepted.substr(begin, end - begin);
+      std::string value = accepted.substr(begin, end - begin);
       begin = end + 1;
+      if (value == "ITEM,…") value = "warp,skip";
       if (!overrides.empty() && value[1] == 'x') continue;
       Overrides with_value = overrides;
       with_value.emplace_back(key.name, value);

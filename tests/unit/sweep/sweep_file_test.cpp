@@ -65,6 +65,18 @@ stage.block.edge = 8
   EXPECT_THAT(sweep.points[5].place, HasSubstr("point 6"));
 }
 
+TEST(SweepFileTest, ATableIsAValueInBracesAndKeysOtherwise) {
+  const SweepFile sweep = parse_sweep(R"(session = "s.toml"
+[[point]]
+trace.neck = { motion = "still", seconds = 2 }
+[[point]]
+trace.neck.motion = "still"
+)",
+                                      "sweep.toml");
+  EXPECT_THAT(texts_of(sweep.points[0]), ElementsAre(testing::MatchesRegex("trace.neck=[{].*still.*2.*[}]")));
+  EXPECT_THAT(texts_of(sweep.points[1]), ElementsAre("trace.neck.motion='still'"));
+}
+
 TEST(SweepFileTest, WhatIsWrongIsNamedWithItsPlace) {
   EXPECT_THAT(error_of("[grid]\nrun.seed = [1]\n"), HasSubstr("'session' is missing"));
   EXPECT_THAT(error_of("session = \"s.toml\"\n"), HasSubstr("nothing to vary"));
