@@ -46,14 +46,30 @@ CastKernels compose_cast_kernels(const CastParts& parts, const VolumeOnDevice& v
   return kernels;
 }
 
-EyeTarget::EyeTarget(const gpu::Device& device, int width, int height)
+EyeTarget::EyeTarget(const gpu::Device& device, int width, int height, int layer_count)
     : width_px(width),
       height_px(height),
       image(device, "eye image", pixels(width, height) * 4, gpu::Memory::device),
       depth(device, "eye depth", pixels(width, height) * 4, gpu::Memory::device),
       image_texels(device, image, gpu::Format::r32_uint),
       depth_texels(device, depth, gpu::Format::r32_float),
-      params(device, "eye parameters", sizeof(BraceEyeParams), gpu::Memory::upload) {}
+      params(device, "eye parameters", sizeof(BraceEyeParams), gpu::Memory::upload) {
+  if (layer_count == 0) return;
+  const std::uint64_t bytes = pixels(width, height) * static_cast<std::uint64_t>(layer_count) * 16;
+  const std::uint64_t bytes_max = device.limits().storage_buffer_bytes_max;
+  if (bytes > bytes_max) {
+    throw input_error(
+        "{} layers of {} x {} px need {} bytes, but {} binds at most {}: accepted: at most {} layers, or a "
+        "smaller "
+        "device.resolution_scale",
+        layer_count, width, height, bytes, device.info().name, bytes_max,
+        bytes_max / (pixels(width, height) * 16));
+  }
+  layers = gpu::Buffer(device, "eye layers", bytes, gpu::Memory::device);
+  gpu::CommandList clear(device, "clear eye layers");
+  clear.fill(layers, 0);
+  gpu::submit_and_wait(clear);
+}
 
 RayBuffers::RayBuffers(const gpu::Device& device, int across_rays, int down_rays, std::uint64_t guard_bytes)
     : across(across_rays), down(down_rays) {

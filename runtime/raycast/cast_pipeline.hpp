@@ -48,7 +48,8 @@ CastKernels compose_cast_kernels(const CastParts& parts, const VolumeOnDevice& v
 /// The picture of one eye in one eye-frame slot.
 struct EyeTarget {
   EyeTarget() = default;
-  EyeTarget(const gpu::Device& device, int width_px, int height_px);
+  /// `layer_count`: layers per pixel for warps that take them.
+  EyeTarget(const gpu::Device& device, int width_px, int height_px, int layer_count = 0);
 
   int width_px = 0, height_px = 0;
   gpu::Buffer image;  // a uint per pixel, rows top to bottom: premultiplied RGBA8, r lowest
@@ -56,6 +57,7 @@ struct EyeTarget {
   gpu::TexelBuffer image_texels;  // R32_UINT
   gpu::TexelBuffer depth_texels;  // R32_SFLOAT
   gpu::Buffer params;             // BraceEyeParams
+  gpu::Buffer layers;             // layer_count times 16 bytes per pixel; empty without
 };
 
 /// The rays of one eye and what became of them: scratch, shared by all eyes and slots. A ray is two vec4

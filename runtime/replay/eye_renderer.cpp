@@ -1,7 +1,10 @@
 #include "runtime/replay/eye_renderer.hpp"
 
+#include <algorithm>
+
 #include "base/error.hpp"
 #include "runtime/host/stage_glsl.hpp"
+#include "runtime/warp_layers/novel_view.hpp"
 
 namespace brace {
 
@@ -12,10 +15,12 @@ bool is_native(const Session& session, const char* family) {
 }
 
 CastKernels session_kernels(const Session& session, const SceneOnDevice& scene,
-                            const std::filesystem::path& data_folder, bool counters, bool emits) {
+                            const std::filesystem::path& data_folder, bool counters, bool emits,
+                            bool layers) {
   std::vector<const PipelineStage*> stages = {&session.pipeline.at("rays"), &session.pipeline.at("cast"),
                                               &scene.skip_stage};
   if (emits) stages.push_back(&session.pipeline.at("stereo"));
+  if (layers) stages.push_back(&session.pipeline.at("warp"));
   StageGlsl glsl = stage_glsl(stages);
   CastParts parts;
   parts.glsl_folder = data_folder / "glsl";
@@ -55,6 +60,22 @@ std::int64_t total_ns(std::span<const gpu::Timing> timings) {
   return total;
 }
 
+/// Throws input_error for stages that cannot give layers to the session's warp.
+void require_layers(const Session& session) {
+  const std::string warp = session.pipeline.at("warp").stage.id();
+  const auto refuse = [&](const std::string& what, const char* accepted) {
+    throw input_error("{} does not work with {}; accepted: {}, or another warp", warp, what, accepted);
+  };
+  const StageInfo& cast = session.pipeline.at("cast").stage;
+  const auto& outputs = cast.outputs;
+  if (std::find(outputs.begin(), outputs.end(), "segments") == outputs.end() || cast.native != nullptr)
+    refuse(cast.id() + ", which does not give its segments", "cast/dvr");
+  if (const std::string rays = session.pipeline.at("rays").stage.id(); rays != "rays/full_rate")
+    refuse(rays + ": its layers need a ray per pixel", "rays/full_rate");
+  if (const std::string stereo = session.pipeline.at("stereo").stage.id(); stereo != "stereo/two_pass")
+    refuse(stereo + ", whose second eye has no rays to make layers of", "stereo/two_pass");
+}
+
 }  // namespace
 
 std::optional<MabPlan> plan_mab(const Session& session, const Headset& headset) {
@@ -83,22 +104,30 @@ void require_cells(const Session& session) {
     refuse("clock.cost = 'recorded:…', which knows no cells", "other costs");
 }
 
-EyePair make_eye_pair(const gpu::Device& device, PictureSize size) {
-  return {EyeTarget(device, size.width_px, size.height_px), EyeTarget(device, size.width_px, size.height_px)};
+EyePair make_eye_pair(const gpu::Device& device, PictureSize size, int layer_count) {
+  return {EyeTarget(device, size.width_px, size.height_px, layer_count),
+          EyeTarget(device, size.width_px, size.height_px, layer_count)};
+}
+
+EyePair make_eye_pair(const gpu::Device& device, const Session& session, const Headset& headset) {
+  const PipelineStage& warp = session.pipeline.at("warp");
+  if (takes_layers(warp)) require_layers(session);
+  return make_eye_pair(device, headset.eye, layer_count_of(warp));
 }
 
 EyeRenderer::EyeRenderer(const gpu::Device& device, const Session& session, const Headset& headset,
                          const SceneOnDevice& scene, const VolumePlacement& placement,
                          const std::filesystem::path& data_folder, Counting counting, Watchdog* watchdog,
-                         SecondEye second_eye)
+                         SecondEye second_eye, Layers layers)
     : device_(device),
       session_(session),
       headset_(headset),
       scene_(scene),
       placement_(placement),
       counting_(counting),
+      makes_layers_(layers == Layers::as_session && takes_layers(session.pipeline.at("warp"))),
       pipeline_(device, session_kernels(session, scene, data_folder, counting == Counting::on,
-                                        !is_single_pass(session))),
+                                        !is_single_pass(session), makes_layers_)),
       mab_(make_mab(device, session, headset)),
       own_rays_(mab_ ? RayBuffers()
                      : RayBuffers(device, headset.eye.width_px, headset.eye.height_px, guard_bytes(session))),
@@ -113,7 +142,7 @@ EyeRenderer::EyeRenderer(const gpu::Device& device, const Session& session, cons
   const StereoPlan plan = plan_single_pass(device, session, headset, scene.volume.info(), placement);
   single_pass_ = std::make_unique<SinglePass>(
       SinglePass::Inputs{device, session, headset, scene, placement, data_folder}, plan,
-      session_kernels(session, scene, data_folder, counting == Counting::on, !plan.layers_left_out));
+      session_kernels(session, scene, data_folder, counting == Counting::on, !plan.layers_left_out, false));
 }
 
 void EyeRenderer::transfer_changed() {
@@ -144,6 +173,7 @@ void EyeRenderer::set_eye(sim::Eye eye, const EyeView& view, const EyeTarget& ta
 CastPipeline::Resources EyeRenderer::resources_of(sim::Eye eye, const EyeTarget& target) {
   const auto skip = scene_.skip_bindings();
   bindings_.assign(skip.begin(), skip.end());
+  if (makes_layers_) bindings_.push_back(layers_binding(target));
   std::optional<RayGrid> grid;
   if (mab_) {
     bindings_.insert(bindings_.end(), mab_->bindings(eye).begin(), mab_->bindings(eye).end());

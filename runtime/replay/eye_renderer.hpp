@@ -21,7 +21,11 @@ std::optional<MabPlan> plan_mab(const Session& session, const Headset& headset);
 /// Throws input_error for stages that schedule/chunked cannot cast in cells.
 void require_cells(const Session& session);
 
-EyePair make_eye_pair(const gpu::Device& device, PictureSize size);
+EyePair make_eye_pair(const gpu::Device& device, PictureSize size, int layer_count = 0);
+
+/// Those that the session's warp needs. Throws input_error for stages that cannot give layers to one that
+/// takes them.
+EyePair make_eye_pair(const gpu::Device& device, const Session& session, const Headset& headset);
 
 /// Ray casts both eyes of a head pose. Everything given must outlive it.
 class EyeRenderer {
@@ -30,6 +34,9 @@ class EyeRenderer {
   /// Where the second eye's picture comes from: the session's stereo stage, or rays of its own whatever that
   /// says.
   enum class SecondEye { as_session, ray_cast };
+  /// Whether layers are made for the session's warp, into targets that have them; only for warps that take
+  /// some.
+  enum class Layers { none, as_session };
 
   /// The session's stages for rays, cast, skip and stereo are taken from its pipeline; any may be native.
   /// Throws device_error when a stage cannot be activated. `watchdog` may be null; what it watches is checked
@@ -37,7 +44,7 @@ class EyeRenderer {
   EyeRenderer(const gpu::Device& device, const Session& session, const Headset& headset,
               const SceneOnDevice& scene, const VolumePlacement& placement,
               const std::filesystem::path& data_folder, Counting counting, Watchdog* watchdog = nullptr,
-              SecondEye second_eye = SecondEye::as_session);
+              SecondEye second_eye = SecondEye::as_session, Layers layers = Layers::none);
 
   /// `quality`: the share of the rays that load control asks for; only rays/mab can cast fewer.
   JobOutcome render(const Pose& world_from_head, const EyePair& into, double quality = 1.0);
@@ -72,6 +79,7 @@ class EyeRenderer {
   const SceneOnDevice& scene_;
   VolumePlacement placement_;
   Counting counting_;
+  bool makes_layers_;
   CastPipeline pipeline_;
   std::unique_ptr<MabBraces> mab_;  // null unless the session's rays are rays/mab's
   RayBuffers own_rays_;             // empty with mab_

@@ -63,8 +63,10 @@ PanelDisplay::PanelDisplay(const gpu::Device& device, const Headset& headset, co
 PanelDisplay::PanelDisplay(const gpu::Device& device, const Headset& headset, const PipelineStage& warp,
                            const PipelineStage& no_warp, const ActivationInput& activation,
                            const std::filesystem::path& data_folder)
-    : PanelDisplay(device, headset, warp.stage.native != nullptr ? no_warp : warp, data_folder) {
+    : PanelDisplay(device, headset, warp.stage.native != nullptr || takes_layers(warp) ? no_warp : warp,
+                   data_folder) {
   if (warp.stage.native != nullptr) native_warp_.emplace(device, warp, activation, headset.eye);
+  if (takes_layers(warp)) layered_.emplace(device, warp, activation, headset.eye, data_folder);
 }
 
 JobOutcome PanelDisplay::show(const PanelImage& image) {
@@ -76,20 +78,27 @@ JobOutcome PanelDisplay::show(const PanelImage& image) {
     const Pose& head_from_eye = headset_.profile.eye(eye).head_from_eye;
     panels_[i].set_poses(device_, compose(image.render_world_from_head, head_from_eye),
                          compose(image.warp_world_from_head, head_from_eye));
-    if (native_warp_) {
-      native_warp_->record(
-          commands_, headset_,
-          {eye, image.render_world_from_head, image.warp_world_from_head, image.frame, image.vsync_index},
-          image.eyes[i]);
-    }
+    const EyeWarp warp{eye, image.render_world_from_head, image.warp_world_from_head, image.frame,
+                       image.vsync_index};
+    if (native_warp_) native_warp_->record(commands_, headset_, warp, image.eyes[i]);
+    if (layered_) layered_->record(commands_, headset_, warp, image.eyes[i]);
     const gpu::Binding depth = gpu::bind(DisplaySlot::source_depth, image.eyes[i].depth_texels);
     pipeline_.record(commands_, panels_[i],
-                     native_warp_ ? native_warp_->picture(eye) : image.eyes[i].image_texels,
+                     native_warp_ ? native_warp_->picture(eye)
+                     : layered_   ? layered_->picture(eye)
+                                  : image.eyes[i].image_texels,
                      std::span(&depth, pipeline_.uses_depth() ? 1 : 0));
   }
   commands_.end_timing();
   commands_.barrier();
-  return {work(), SimDuration(gpu::device_ns(gpu::submit_and_wait(commands_), "display"))};
+  const SimDuration time(gpu::device_ns(gpu::submit_and_wait(commands_), "display"));
+  if (layered_) layered_->take_counts();
+  return {work(), time};
+}
+
+DisplayPipeline::Counts PanelDisplay::counted() const {
+  if (layered_) return {layered_->counts().uncovered, layered_->counts().filled};
+  return pipeline_.counted(device_);
 }
 
 PanelPair PanelDisplay::read() const {
@@ -103,6 +112,7 @@ WorkCounts PanelDisplay::work() const {
   if (native_warp_)
     work.texels += 2 * static_cast<std::uint64_t>(headset_.eye.width_px) *
                    static_cast<std::uint64_t>(headset_.eye.height_px);
+  if (layered_) work.texels += layered_->texels();
   return work;
 }
 

@@ -8,6 +8,7 @@
 #include "runtime/display/display_pipeline.hpp"
 #include "runtime/frame/frame_work.hpp"
 #include "runtime/replay/eye_renderer.hpp"
+#include "runtime/replay/layer_warp.hpp"
 #include "runtime/replay/native_warp.hpp"
 
 namespace brace {
@@ -41,13 +42,14 @@ class PanelDisplay {
   PanelPair read() const;
 
   /// Pixels of all images so far that show something else than the eye frame, or nothing: of warps that read
-  /// depth alone, zero for others.
-  DisplayPipeline::Counts counted() const { return pipeline_.counted(device_); }
-  bool uses_depth() const { return pipeline_.uses_depth(); }
+  /// depth or layers alone, zero for others.
+  DisplayPipeline::Counts counted() const;
+  bool fills() const { return pipeline_.uses_depth() || layered_; }
   std::int64_t images() const { return images_; }
 
-  /// Work of one show(), known beforehand.
+  /// Work of one show(): known beforehand, unless counts_work() is true; then that of the last one.
   WorkCounts work() const;
+  bool counts_work() const { return layered_.has_value(); }
 
   const LensTraits& lens() const { return lens_; }
 
@@ -57,6 +59,7 @@ class PanelDisplay {
   LensTraits lens_;
   DisplayPipeline pipeline_;
   std::optional<NativeWarp> native_warp_;
+  std::optional<LayerWarp> layered_;
   std::array<PanelTarget, 2> panels_;
   std::int64_t images_ = 0;
   gpu::CommandList commands_;

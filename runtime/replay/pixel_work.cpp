@@ -45,13 +45,14 @@ PixelWork::PixelWork(const Inputs& inputs)
       error_at_(inputs.session.output.error, inputs.vsyncs),
       pictures_at_(inputs.session.output.images, inputs.vsyncs),
       renderer_(inputs.device, inputs.session, inputs.headset, inputs.scene, inputs.placement,
-                inputs.options.data_folder, EyeRenderer::Counting::on, inputs.watchdog),
+                inputs.options.data_folder, EyeRenderer::Counting::on, inputs.watchdog,
+                EyeRenderer::SecondEye::as_session, EyeRenderer::Layers::as_session),
       display_(
           inputs.device, inputs.headset, inputs.session.pipeline.at("warp"), inputs.options.no_warp,
           scene_activation(inputs.device, inputs.session, inputs.headset, inputs.scene, inputs.placement),
           inputs.options.data_folder) {
   for (EyePair& slot : slots_)
-    slot = make_eye_pair(inputs.device, inputs.headset.eye);
+    slot = make_eye_pair(inputs.device, inputs.session, inputs.headset);
   if (!error_at_.any()) return;
   ideal_.emplace(in_);
   for (const sim::Eye eye : sim::all_eyes) {

@@ -131,7 +131,7 @@ std::vector<WatchdogReport> find_faults(Watchdog& watchdog, const Session& sessi
 
 /// What the warp had to make up; nothing for warps that do not know depth.
 void add_fill_facts(const Session& session, const PanelDisplay& display, Series& series) {
-  if (!display.uses_depth() || display.images() == 0) return;
+  if (!display.fills() || display.images() == 0) return;
   const DisplayPipeline::Counts counts = display.counted();
   const double pixels = static_cast<double>(display.work().texels) * static_cast<double>(display.images());
   series.facts.push_back(

@@ -65,8 +65,8 @@ WorkProbe probe_cast(const Session& session, EyeRenderer& renderer, const Pose& 
 
 /// Counts of work along the head's motion, from eye frames rendered at the true poses.
 CountedWork probe_work(const SeriesWorkInputs& in, EyeRenderer& renderer, SceneOnDevice& scene,
-                       const WorkCounts& warp) {
-  const EyePair eyes = make_eye_pair(*in.device, in.headset.eye);
+                       PanelDisplay& display) {
+  const EyePair eyes = make_eye_pair(*in.device, in.session, in.headset);
   const std::set<SimTime> times =
       probe_times(scene.versions.schedule(), in.headset, in.vsyncs, in.options.probes);
   HeadMotion head = in.head;
@@ -84,7 +84,7 @@ CountedWork probe_work(const SeriesWorkInputs& in, EyeRenderer& renderer, SceneO
     const Pose pose = head.true_pose(time);
     WorkProbe probe = probe_cast(in.session, renderer, pose, eyes);
     probe.time = time;
-    probe.warp = warp;
+    probe.warp = display.counts_work() ? display.show({eyes, pose, pose}).work : display.work();
     probe.update = update;
     for (const double quality : qualities)
       probe.cast_below.push_back(renderer.render(pose, eyes, quality).work);
@@ -104,11 +104,12 @@ std::string probe_fact(std::int64_t vsyncs, int probes) {
 std::unique_ptr<FrameWork> count_with_probes(const SeriesWorkInputs& in, SeriesWork& work) {
   SceneOnDevice& scene = *work.scene;
   EyeRenderer renderer(*in.device, in.session, in.headset, scene, in.placement, in.options.data_folder,
-                       EyeRenderer::Counting::on, work.watchdog.get());
-  const PanelDisplay display(*in.device, in.headset, in.session.pipeline.at("warp"), in.options.no_warp,
-                             scene_activation(*in.device, in.session, in.headset, scene, in.placement),
-                             in.options.data_folder);
-  auto counted = std::make_unique<CountedWork>(probe_work(in, renderer, scene, display.work()));
+                       EyeRenderer::Counting::on, work.watchdog.get(), EyeRenderer::SecondEye::as_session,
+                       EyeRenderer::Layers::as_session);
+  PanelDisplay display(*in.device, in.headset, in.session.pipeline.at("warp"), in.options.no_warp,
+                       scene_activation(*in.device, in.session, in.headset, scene, in.placement),
+                       in.options.data_folder);
+  auto counted = std::make_unique<CountedWork>(probe_work(in, renderer, scene, display));
   if (const std::string note = renderer.stereo_note(); !note.empty())
     work.facts.push_back({"stereo/layers, frames", note});
   return counted;

@@ -13,10 +13,11 @@ LiveEyes::State::State(const gpu::Device& device, const ReplayOptions& options, 
       scene(loaded
                 ? std::move(loaded)
                 : std::shared_ptr<SceneOnDevice>(load_scene(device, session, options, headset, placement))),
-      renderer(device, session, headset, *scene, placement, options.data_folder, EyeRenderer::Counting::on),
+      renderer(device, session, headset, *scene, placement, options.data_folder, EyeRenderer::Counting::on,
+               nullptr, EyeRenderer::SecondEye::as_session, EyeRenderer::Layers::as_session),
       display(device, headset, session.pipeline.at("warp"), options.no_warp,
               scene_activation(device, session, headset, *scene, placement), options.data_folder),
-      eyes(make_eye_pair(device, headset.eye)) {}
+      eyes(make_eye_pair(device, session, headset)) {}
 
 LiveEyes::LiveEyes(const gpu::Device& device, const ReplayOptions& options, ReadSession read,
                    const Pose& first_pose)

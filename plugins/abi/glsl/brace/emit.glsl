@@ -4,7 +4,8 @@
 //   void brace_emit_segment(BraceRay ray, float begin, float end, vec3 colour, float optical_depth)
 //   void brace_emit_end(BraceRay ray, float end)
 // Segments come front to back, in units from the entry, visible ones only; colour is not premultiplied, the
-// segment's transmittance is exp2(-optical_depth). brace_emit_end comes once, also after an early end.
+// segment's transmittance is exp2(-optical_depth). brace_emit_end comes once, also after an early end. One that wants
+// to know of rays that miss the volume defines BRACE_EMIT_NOTHING and brace_emit_nothing().
 #ifndef BRACE_EMIT_GLSL
 #define BRACE_EMIT_GLSL
 
@@ -12,6 +13,9 @@
 #define brace_emit_begin(ray)
 #define brace_emit_segment(ray, begin, end, colour, optical_depth)
 #define brace_emit_end(ray, end)
+#endif
+#if !defined(BRACE_EMIT_NOTHING)
+#define brace_emit_nothing()
 #endif
 
 #endif

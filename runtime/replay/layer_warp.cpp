@@ -1,0 +1,51 @@
+#include "runtime/replay/layer_warp.hpp"
+
+namespace brace {
+
+namespace {
+
+NovelView::Box box_of(const ActivationInput& input) {
+  NovelView::Box box{input.world_from_volume, box_size(*input.volume)};
+  for (double& edge : box.edges_m)
+    edge *= input.metres_per_unit / voxel_length(*input.volume);
+  return box;
+}
+
+NovelView novel_view(const gpu::Device& device, const PipelineStage& warp, PictureSize eye,
+                     const std::filesystem::path& data_folder) {
+  return {device,
+          warp,
+          eye.width_px,
+          eye.height_px,
+          {data_folder / "glsl", data_folder / "kernels" / "warp_layers"}};
+}
+
+}  // namespace
+
+LayerWarp::LayerWarp(const gpu::Device& device, const PipelineStage& warp, const ActivationInput& input,
+                     PictureSize eye, const std::filesystem::path& data_folder)
+    : box_(box_of(input)),
+      views_{novel_view(device, warp, eye, data_folder), novel_view(device, warp, eye, data_folder)},
+      pixels_(2 * static_cast<std::uint64_t>(eye.width_px) * static_cast<std::uint64_t>(eye.height_px)) {}
+
+void LayerWarp::record(gpu::CommandList& commands, const Headset& headset, const EyeWarp& warp,
+                       const EyeTarget& from) {
+  const Pose& head_from_eye = headset.profile.eye(warp.eye).head_from_eye;
+  views_[static_cast<std::size_t>(warp.eye)].record(commands, from,
+                                                    eye_view(headset, warp.eye, warp.render_world_from_head),
+                                                    compose(warp.warp_world_from_head, head_from_eye), box_);
+}
+
+void LayerWarp::take_counts() {
+  texels_ = pixels_;
+  for (const NovelView& view : views_) {
+    const NovelView::Counts counts = view.counted();
+    view.reset_counters();
+    texels_ += counts.segments;
+    counts_.segments += counts.segments;
+    counts_.uncovered += counts.uncovered;
+    counts_.filled += counts.filled;
+  }
+}
+
+}  // namespace brace
