@@ -22,9 +22,11 @@ struct WarpBenchOptions {
 
 struct WarpBenchRow {
   std::string warp, motion;
-  double over_copy = 0;                              // device time, median over the copy's
-  double over_cast = 0;                              // over that of a cast of the scene
-  double dssim = 0;                                  // mean of both eyes
+  double over_copy = 0;       // device time, median over the copy's
+  double over_cast = 0;       // over that of a cast of the scene
+  double cast_over_cast = 0;  // a cast that makes what the warp takes, over a plain one
+  std::uint64_t texels = 0;   // counted work of the warp
+  double dssim = 0;           // mean of both eyes
   double filled_percent = 0, uncovered_percent = 0;  // of the panels' pixels
 };
 

@@ -12,9 +12,11 @@ namespace brace {
 
 namespace {
 
-/// The session of ideal pictures: a ray per pixel, and where the session asks for them converged ones.
+/// The session of ideal pictures: lit as asked for, a ray per pixel, and where the session asks for them
+/// converged ones.
 Session ideal_session(Session session, const PipelineStage& rays) {
   session.pipeline.at("rays") = rays;
+  session.scene.shading = session.plan.shading;
   if (!session.output.converged_ideal) return session;
   if (const auto converged = converged_session(session)) return *converged;
   throw input_error(

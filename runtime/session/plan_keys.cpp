@@ -125,6 +125,7 @@ Session::Plan read_plan(SessionTable& table, const StageRegistry& stages) {
     if (contains(plan.leave_out, item))
       table.fail("plan.keep",
                  fmt::format("names '{}', as does 'plan.leave_out'; accepted: one of the two", item));
+  plan.shading = table.choice("scene.shading");
   for (const Without& without : withouts())
     if (contains(plan.leave_out, without.item)) take_out(table, stages, without);
   return plan;

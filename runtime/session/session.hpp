@@ -115,6 +115,7 @@ struct Session {
       none        // nothing: even what does nothing runs
     } mode = Mode::idle;
     std::vector<std::string> leave_out, keep;  // by name; the former are taken out of the session already
+    std::string shading;                       // scene.shading as asked for: what ideal pictures show
     bool keeps_idle(const std::string& item) const;
   } plan;
 
