@@ -173,7 +173,7 @@ void EyeRenderer::set_eye(sim::Eye eye, const EyeView& view, const EyeTarget& ta
 CastPipeline::Resources EyeRenderer::resources_of(sim::Eye eye, const EyeTarget& target) {
   const auto skip = scene_.skip_bindings();
   bindings_.assign(skip.begin(), skip.end());
-  if (makes_layers_) bindings_.push_back(layers_binding(target));
+  if (makes_layers_) bindings_.push_back(layers_binding(target.layers));
   std::optional<RayGrid> grid;
   if (mab_) {
     bindings_.insert(bindings_.end(), mab_->bindings(eye).begin(), mab_->bindings(eye).end());

@@ -4,6 +4,13 @@ namespace brace {
 
 namespace {
 
+NovelView novel_view(const gpu::Device& device, const PipelineStage& warp,
+                     const std::filesystem::path& data_folder) {
+  return {device, warp, {data_folder / "glsl", data_folder / "kernels" / "warp_layers"}};
+}
+
+}  // namespace
+
 NovelView::Box box_of(const ActivationInput& input) {
   NovelView::Box box{input.world_from_volume, box_size(*input.volume)};
   for (double& edge : box.edges_m)
@@ -11,29 +18,18 @@ NovelView::Box box_of(const ActivationInput& input) {
   return box;
 }
 
-NovelView novel_view(const gpu::Device& device, const PipelineStage& warp, PictureSize eye,
-                     const std::filesystem::path& data_folder) {
-  return {device,
-          warp,
-          eye.width_px,
-          eye.height_px,
-          {data_folder / "glsl", data_folder / "kernels" / "warp_layers"}};
-}
-
-}  // namespace
-
 LayerWarp::LayerWarp(const gpu::Device& device, const PipelineStage& warp, const ActivationInput& input,
                      PictureSize eye, const std::filesystem::path& data_folder)
     : box_(box_of(input)),
-      views_{novel_view(device, warp, eye, data_folder), novel_view(device, warp, eye, data_folder)},
+      views_{novel_view(device, warp, data_folder), novel_view(device, warp, data_folder)},
+      pictures_(make_eye_pair(device, eye)),
       pixels_(2 * static_cast<std::uint64_t>(eye.width_px) * static_cast<std::uint64_t>(eye.height_px)) {}
 
 void LayerWarp::record(gpu::CommandList& commands, const Headset& headset, const EyeWarp& warp,
                        const EyeTarget& from) {
-  const Pose& head_from_eye = headset.profile.eye(warp.eye).head_from_eye;
-  views_[static_cast<std::size_t>(warp.eye)].record(commands, from,
-                                                    eye_view(headset, warp.eye, warp.render_world_from_head),
-                                                    compose(warp.warp_world_from_head, head_from_eye), box_);
+  const auto i = static_cast<std::size_t>(warp.eye);
+  views_[i].record(commands, layer_source(from, eye_view(headset, warp.eye, warp.render_world_from_head)),
+                   eye_view(headset, warp.eye, warp.warp_world_from_head), pictures_[i], box_);
 }
 
 void LayerWarp::take_counts() {

@@ -8,6 +8,9 @@
 
 namespace brace {
 
+/// The box of a scene's volume.
+NovelView::Box box_of(const ActivationInput& input);
+
 /// A warp that takes layers: a picture of the eye frame's size for each eye, which the display then shows as
 /// it is. The device must outlive it.
 class LayerWarp {
@@ -19,7 +22,7 @@ class LayerWarp {
   /// Records one eye, with barriers around.
   void record(gpu::CommandList& commands, const Headset& headset, const EyeWarp& warp, const EyeTarget& from);
   const gpu::TexelBuffer& picture(sim::Eye eye) const {
-    return views_[static_cast<std::size_t>(eye)].picture();
+    return pictures_[static_cast<std::size_t>(eye)].image_texels;
   }
 
   /// Takes the counts of both eyes' last pictures, once they are done.
@@ -32,6 +35,7 @@ class LayerWarp {
  private:
   NovelView::Box box_;
   std::array<NovelView, 2> views_;
+  std::array<EyeTarget, 2> pictures_;
   std::uint64_t pixels_ = 0;  // of both eyes
   std::uint64_t texels_ = 0;
   NovelView::Counts counts_;

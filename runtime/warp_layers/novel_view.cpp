@@ -13,22 +13,20 @@ namespace brace {
 
 namespace {
 
-/// volumetric_store.glsl and novel_view.comp have the same.
-constexpr std::uint32_t kLayersSlot = 32, kParamsSlot = 0, kImageSlot = 1, kCountersSlot = 2;
+/// brace/layers.glsl and novel_view.comp have the same.
+constexpr std::uint32_t kLayersSlot = 32, kParamsSlot = 0, kImageSlot = 1, kCountersSlot = 2, kDepthSlot = 3;
 
-gpu::ComputePipeline novel_view_pipeline(const gpu::Device& device, const PipelineStage& warp,
+gpu::ComputePipeline novel_view_pipeline(const gpu::Device& device, const PipelineStage& stage,
                                          const NovelView::Folders& folders) {
-  const std::array<const PipelineStage*, 1> stages = {&warp};
+  const std::array<const PipelineStage*, 1> stages = {&stage};
   StageGlsl glsl = stage_glsl(stages);
   gpu::KernelDescription kernel;
   kernel.main = gpu::read_glsl(folders.kernels / "novel_view.comp");
   kernel.resolve = gpu::chain_resolvers({glsl.resolve, gpu::directory_resolver({folders.glsl})});
   kernel.constants = glsl.constants;
+  kernel.defines.emplace_back("BRACE_LAYERS_COUNT", stage.stage.family + "_layers");
+  kernel.defines.emplace_back("BRACE_LAYERS_STEPS", stage.stage.family + "_steps");
   return gpu::make_pipeline(device, kernel);
-}
-
-std::uint64_t pixel_count(int width_px, int height_px) {
-  return static_cast<std::uint64_t>(width_px) * static_cast<std::uint64_t>(height_px);
 }
 
 void set(float (&to)[4], const glm::dvec3& xyz, double w = 0.0) {
@@ -37,26 +35,32 @@ void set(float (&to)[4], const glm::dvec3& xyz, double w = 0.0) {
   to[3] = static_cast<float>(w);
 }
 
-BraceNovelViewParams params_of(const EyeView& cast, const Pose& world_from_new, const NovelView::Box& box) {
+void set_tangents(float (&to)[4], const EyeView& eye, const RayGrid& grid) {
+  const double dx = (eye.tan_right - eye.tan_left) / eye.width_px;
+  const double dy = (eye.tan_bottom - eye.tan_top) / eye.height_px;
+  set(to, {eye.tan_left - grid.left * dx, eye.tan_top - grid.top * dy, dx}, dy);
+}
+
+BraceNovelViewParams params_of(const LayerSource& from, const EyeView& eye, const NovelView::Box& box) {
   BraceNovelViewParams params{};
-  const double dx = (cast.tan_right - cast.tan_left) / cast.width_px;
-  const double dy = (cast.tan_bottom - cast.tan_top) / cast.height_px;
-  set(params.fov, {cast.tan_left, cast.tan_top, dx}, dy);
-  const Pose old_from_new = compose(inverse(cast.world_from_eye), world_from_new);
+  set_tangents(params.fov, eye, {});
+  set_tangents(params.rays, from.eye, from.rays);
+  const Pose old_from_new = compose(inverse(from.eye.world_from_eye), eye.world_from_eye);
   for (int axis = 0; axis < 3; ++axis) {
     glm::dvec3 unit(0.0);
     unit[axis] = 1.0;
     set(params.old_from_new[axis], old_from_new.orientation * unit);
   }
   set(params.old_from_new[3], old_from_new.position);
-  const Pose box_from_old = compose(inverse(box.world_from_volume), cast.world_from_eye);
+  const Pose box_from_old = compose(inverse(box.world_from_volume), from.eye.world_from_eye);
   const glm::dmat3 rotation = glm::mat3_cast(box_from_old.orientation);  // column by column
   for (int axis = 0; axis < 3; ++axis)
     set(params.box_from_old[axis], {rotation[0][axis], rotation[1][axis], rotation[2][axis]},
         box_from_old.position[axis]);
   set(params.box_half, {0.5 * box.edges_m[0], 0.5 * box.edges_m[1], 0.5 * box.edges_m[2]});
-  params.grid[0] = static_cast<std::uint32_t>(cast.width_px);
-  params.grid[1] = static_cast<std::uint32_t>(cast.height_px);
+  const int grid[4] = {eye.width_px, eye.height_px, from.rays.across, from.rays.down};
+  for (int i = 0; i < 4; ++i)
+    params.grid[i] = static_cast<std::uint32_t>(grid[i]);
   return params;
 }
 
@@ -71,32 +75,32 @@ int layer_count_of(const PipelineStage& warp) {
   return takes_layers(warp) ? static_cast<int>(warp.value("layers")) : 0;
 }
 
-gpu::Binding layers_binding(const EyeTarget& target) {
-  return gpu::bind(kLayersSlot, target.layers);
+gpu::Binding layers_binding(const gpu::Buffer& layers) {
+  return gpu::bind(kLayersSlot, layers);
 }
 
-NovelView::NovelView(const gpu::Device& device, const PipelineStage& warp, int width_px, int height_px,
-                     const Folders& folders)
+LayerSource layer_source(const EyeTarget& target, const EyeView& eye) {
+  return {target.layers, eye, {target.width_px, target.height_px}};
+}
+
+NovelView::NovelView(const gpu::Device& device, const PipelineStage& stage, const Folders& folders)
     : device_(device),
-      width_px_(width_px),
-      height_px_(height_px),
-      pipeline_(novel_view_pipeline(device, warp, folders)),
+      pipeline_(novel_view_pipeline(device, stage, folders)),
       params_(device, "novel view parameters", sizeof(BraceNovelViewParams), gpu::Memory::upload),
-      image_(device, "novel view", pixel_count(width_px, height_px) * 4, gpu::Memory::device),
-      counters_(device, "novel view counters", 3 * sizeof(std::uint32_t), gpu::Memory::readback),
-      texels_(device, image_, gpu::Format::r32_uint) {
+      counters_(device, "novel view counters", 3 * sizeof(std::uint32_t), gpu::Memory::readback) {
   reset_counters();
 }
 
-void NovelView::record(gpu::CommandList& commands, const EyeTarget& layers, const EyeView& cast,
-                       const Pose& world_from_eye, const Box& box) {
-  const BraceNovelViewParams params = params_of(cast, world_from_eye, box);
+void NovelView::record(gpu::CommandList& commands, const LayerSource& from, const EyeView& eye,
+                       const EyeTarget& into, const Box& box) {
+  const BraceNovelViewParams params = params_of(from, eye, box);
   gpu::upload_values<BraceNovelViewParams>(device_, params_, std::span(&params, 1));
   commands.barrier();
-  const std::array bindings = {gpu::bind(kParamsSlot, params_), gpu::bind(kImageSlot, image_),
-                               gpu::bind(kCountersSlot, counters_), layers_binding(layers)};
+  const std::array bindings = {gpu::bind(kParamsSlot, params_), gpu::bind(kImageSlot, into.image),
+                               gpu::bind(kDepthSlot, into.depth), gpu::bind(kCountersSlot, counters_),
+                               layers_binding(from.layers)};
   const auto groups = [](int px) { return static_cast<std::uint32_t>((px + 7) / 8); };
-  commands.dispatch(pipeline_, bindings, {}, {groups(width_px_), groups(height_px_), 1});
+  commands.dispatch(pipeline_, bindings, {}, {groups(eye.width_px), groups(eye.height_px), 1});
   commands.barrier();
 }
 

@@ -16,8 +16,17 @@ bool takes_layers(const PipelineStage& warp);
 /// Layers per pixel that it asks for; 0 without.
 int layer_count_of(const PipelineStage& warp);
 
-/// Where the layers of a target are bound in the cast kernel.
-gpu::Binding layers_binding(const EyeTarget& target);
+/// Where layers are bound in the cast kernel: 16 bytes times the layers per ray.
+gpu::Binding layers_binding(const gpu::Buffer& layers);
+
+/// The eye that layers were cast from, with the grid of its rays: one per pixel, and some beside the picture.
+struct LayerSource {
+  const gpu::Buffer& layers;
+  EyeView eye;
+  RayGrid rays;
+};
+/// Rays of an eye's own pixels.
+LayerSource layer_source(const EyeTarget& target, const EyeView& eye);
 
 /// One eye's picture from another place, out of the layers that were cast with its eye frame (Lochmann et al.
 /// 2014; Buchacher 2017, Algorithms 7 and 8). The device must outlive it; one picture at a time.
@@ -26,23 +35,18 @@ class NovelView {
   struct Folders {
     std::filesystem::path glsl, kernels;  // of brace/*.glsl and of novel_view.comp
   };
-  /// `warp`: a stage with the parameters of warp/volumetric.
-  NovelView(const gpu::Device& device, const PipelineStage& warp, int width_px, int height_px,
-            const Folders& folders);
+  /// `stage`: with the parameters of warp/volumetric or stereo/novel_view.
+  NovelView(const gpu::Device& device, const PipelineStage& stage, const Folders& folders);
 
   /// The volume's box.
   struct Box {
     Pose world_from_volume;  // of its centre
     std::array<double, 3> edges_m{};
   };
-  /// Records the picture of an eye that was cast as `cast` and looks from `world_from_eye` now, after a
-  /// barrier and with one behind. Nothing submitted may still read the last picture.
-  void record(gpu::CommandList& commands, const EyeTarget& layers, const EyeView& cast,
-              const Pose& world_from_eye, const Box& box);
-
-  /// R32_UINT texels, premultiplied RGBA8, of the eye frame's size.
-  const gpu::TexelBuffer& picture() const { return texels_; }
-  const gpu::Buffer& image() const { return image_; }
+  /// Records what an eye sees, image and depth, after a barrier and with one behind. One picture at a time:
+  /// what was recorded before must be done, it reads the same parameters.
+  void record(gpu::CommandList& commands, const LayerSource& from, const EyeView& eye, const EyeTarget& into,
+              const Box& box);
 
   /// Since the last reset; after the work is done.
   struct Counts {
@@ -55,10 +59,8 @@ class NovelView {
 
  private:
   const gpu::Device& device_;
-  int width_px_, height_px_;
   gpu::ComputePipeline pipeline_;
-  gpu::Buffer params_, image_, counters_;
-  gpu::TexelBuffer texels_;
+  gpu::Buffer params_, counters_;
 };
 
 }  // namespace brace

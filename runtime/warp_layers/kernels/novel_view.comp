@@ -5,12 +5,14 @@
 #extension GL_EXT_control_flow_attributes : require
 #include "brace/novel_view_params.h"
 #include "stage/parameters.glsl"
-#include "volumetric_store.glsl"
+#include "brace/layers.glsl"
 
 layout(local_size_x = 8, local_size_y = 8) in;
 
 layout(std430, set = 0, binding = 0) readonly buffer NovelViewBlock { BraceNovelViewParams view; };
 layout(std430, set = 0, binding = 1) writeonly buffer NovelImage { uint novel_image[]; };
+// Metres from the new eye to the first visible segment's begin, or infinity.
+layout(std430, set = 0, binding = 3) writeonly buffer NovelDepth { float novel_depth_m[]; };
 // Segments walked; pixels with some beyond the old picture; pixels with some behind a ray that was stopped.
 layout(std430, set = 0, binding = 2) buffer NovelCounters { uint walked, uncovered, filled; };
 
@@ -22,9 +24,9 @@ vec3 origin, direction;  // of the new ray in the old eye frame, direction of le
 vec3 point_at(float t) { return origin + t * direction; }
 
 // Pixel coordinates in the old picture; (0, 0) is the upper left corner.
-vec2 old_pixel(vec3 p) { return (p.xy / -p.z - view.fov.xy) / view.fov.zw; }
+vec2 old_pixel(vec3 p) { return (p.xy / -p.z - view.rays.xy) / view.rays.zw; }
 
-bool inside(vec2 pixel) { return all(greaterThanEqual(pixel, vec2(0.0))) && all(lessThan(pixel, vec2(view.grid.xy))); }
+bool inside(vec2 pixel) { return all(greaterThanEqual(pixel, vec2(0.0))) && all(lessThan(pixel, vec2(view.grid.zw))); }
 
 // Where the ray is within the volume's box and before the old eye's plane; x >= y: nowhere.
 vec2 range_in_box() {
@@ -47,6 +49,7 @@ vec2 range_in_box() {
 struct Walk {
   vec3 colour;
   float depth, left;
+  float first_m;  // from the new eye to what is seen first
   bool uncovered, filled;
 };
 
@@ -58,12 +61,12 @@ struct Stretch {
 // What layer m of a pixel has on a stretch: emission (colour times optical depth) and optical depth. `before` is the
 // optical depth of the layers in front; false: there are no more.
 bool layer_on(Stretch on, uint pixel, int m, inout float before, inout vec4 sum, float weight, inout bool behind) {
-  const WarpLayer layer = warp_layer_load(pixel * uint(warp_layers) + uint(m));
+  const BraceLayer layer = brace_layer_load(pixel * uint(BRACE_LAYERS_COUNT) + uint(m));
   if (layer.end_m <= layer.begin_m) return false;
   before += layer.depth;
   float end_m = layer.end_m;
   float depth = layer.depth;
-#if defined(BRACE_WARP_BEHIND_EXTEND)
+#if defined(BRACE_WARP_BEHIND_EXTEND) || defined(BRACE_STEREO_BEHIND_EXTEND)
   if (before >= STOPPED_DEPTH && on.high > end_m) {
     // As dense as the layer was on the average: the picture of an old eye has nothing else to tell.
     depth *= (on.high - layer.begin_m) / (end_m - layer.begin_m);
@@ -80,19 +83,22 @@ bool layer_on(Stretch on, uint pixel, int m, inout float before, inout vec4 sum,
   return true;
 }
 
+float segment_begin;  // of the segment at hand, metres along the new ray
+
 void composite(inout Walk walk, vec4 sum) {
   if (sum.a <= 0.0) return;
+  walk.first_m = min(walk.first_m, segment_begin);
   walk.depth += sum.a;
   const float left = exp2(-walk.depth);
   walk.colour += (walk.left - left) * (sum.rgb / sum.a);
   walk.left = left;
 }
 
-#if defined(BRACE_WARP_FILTER_NEAREST)
+#if defined(BRACE_WARP_FILTER_NEAREST) || defined(BRACE_STEREO_FILTER_NEAREST)
 void take(inout Walk walk, vec2 pixel, Stretch on) {
-  const uint index = uint(pixel.y) * view.grid.x + uint(pixel.x);
+  const uint index = uint(pixel.y) * view.grid.z + uint(pixel.x);
   float before = 0.0;
-  for (int m = 0; m < warp_layers; ++m) {
+  for (int m = 0; m < BRACE_LAYERS_COUNT; ++m) {
     vec4 sum = vec4(0.0);
     if (!layer_on(on, index, m, before, sum, 1.0, walk.filled)) break;
     composite(walk, sum);
@@ -101,14 +107,14 @@ void take(inout Walk walk, vec2 pixel, Stretch on) {
 #else
 // The four pixels around, layer by layer: the first of one is taken to go on in the first of the next.
 void take(inout Walk walk, vec2 pixel, Stretch on) {
-  const vec2 inner = clamp(pixel - 0.5, vec2(0.0), vec2(view.grid.xy) - 1.0);
-  const uvec2 corner = uvec2(inner), beside = min(corner + 1u, view.grid.xy - 1u);
+  const vec2 inner = clamp(pixel - 0.5, vec2(0.0), vec2(view.grid.zw) - 1.0);
+  const uvec2 corner = uvec2(inner), beside = min(corner + 1u, view.grid.zw - 1u);
   const vec2 f = inner - vec2(corner);
-  const uvec4 indices = uvec4(corner.y, corner.y, beside.y, beside.y) * view.grid.x + uvec4(corner.x, beside.x, corner.x, beside.x);
+  const uvec4 indices = uvec4(corner.y, corner.y, beside.y, beside.y) * view.grid.z + uvec4(corner.x, beside.x, corner.x, beside.x);
   const vec4 weights = vec4((1.0 - f.x) * (1.0 - f.y), f.x * (1.0 - f.y), (1.0 - f.x) * f.y, f.x * f.y);
   vec4 before = vec4(0.0);
   bvec4 more = greaterThan(weights, vec4(1e-3));
-  for (int m = 0; m < warp_layers && any(more); ++m) {
+  for (int m = 0; m < BRACE_LAYERS_COUNT && any(more); ++m) {
     vec4 sum = vec4(0.0);
     [[unroll]] for (int i = 0; i < 4; ++i)
       if (more[i]) more[i] = layer_on(on, indices[i], m, before[i], sum, weights[i], walk.filled);
@@ -123,15 +129,16 @@ void segment(inout Walk walk, float t1, float t2) {
     walk.uncovered = true;
     return;
   }
+  segment_begin = t1;
   const float d1 = length(point_at(t1)), d2 = length(point_at(t2));
   const float low = min(d1, d2), high = max(max(d1, d2), low + 1e-7);
   take(walk, pixel, Stretch(low, high, (t2 - t1) / (high - low)));
 }
 
-#if defined(BRACE_WARP_SAMPLING_EXACT)
+#if defined(BRACE_WARP_SAMPLING_EXACT) || defined(BRACE_STEREO_SAMPLING_EXACT)
 // Where the ray crosses a column (axis 0) or row (axis 1) border of the old picture.
 float crossing(int axis, float border) {
-  const float tangent = border * view.fov[axis + 2] + view.fov[axis];
+  const float tangent = border * view.rays[axis + 2] + view.rays[axis];
   const float divisor = direction[axis] + tangent * direction.z;
   return abs(divisor) > 1e-12 ? -(origin[axis] + tangent * origin.z) / divisor : 1e30;
 }
@@ -141,7 +148,7 @@ uint march(inout Walk walk, float begin, float end) {
   const vec2 way = sign(last - first);
   vec2 border = first + max(way, vec2(0.0));
   // As many as there are between the ends, whatever rounding says of where: within a pixel none.
-  ivec2 crossings = ivec2(min(abs(last - first), vec2(view.grid.xy) + 2.0));
+  ivec2 crossings = ivec2(min(abs(last - first), vec2(view.grid.zw) + 2.0));
   float t = begin;
   uint segments = 0u;
   while (t < end && walk.left > 0.004) {
@@ -164,9 +171,9 @@ uint march(inout Walk walk, float begin, float end) {
 }
 #else
 uint march(inout Walk walk, float begin, float end) {
-  const float dt = (end - begin) / float(warp_steps);
+  const float dt = (end - begin) / float(BRACE_LAYERS_STEPS);
   uint segments = 0u;
-  for (int i = 0; i < warp_steps && walk.left > 0.004; ++i) {
+  for (int i = 0; i < BRACE_LAYERS_STEPS && walk.left > 0.004; ++i) {
     segment(walk, begin + float(i) * dt, begin + float(i + 1) * dt);
     ++segments;
   }
@@ -181,13 +188,14 @@ void main() {
   origin = view.old_from_new[3].xyz;
   direction = normalize(view.old_from_new[0].xyz * tangents.x + view.old_from_new[1].xyz * tangents.y -
                         view.old_from_new[2].xyz);
-  Walk walk = Walk(vec3(0.0), 0.0, 1.0, false, false);
+  Walk walk = Walk(vec3(0.0), 0.0, 1.0, uintBitsToFloat(0x7f800000u), false, false);
   const vec2 range = range_in_box();
   uint segments = 0u;
   if (range.x < range.y) segments = march(walk, range.x, range.y);
   const float opacity = clamp(1.0 - walk.left, 0.0, 1.0);
   novel_image[pixel.y * view.grid.x + pixel.x] =
       packUnorm4x8(vec4(clamp(walk.colour, vec3(0.0), vec3(opacity)), opacity));
+  novel_depth_m[pixel.y * view.grid.x + pixel.x] = walk.first_m;
   atomicAdd(walked, segments);
   if (walk.uncovered) atomicAdd(uncovered, 1u);
   if (walk.filled) atomicAdd(filled, 1u);

@@ -1,75 +1,12 @@
-// Layers of emission and absorption along the rays of the eye frame (Buchacher 2017, Algorithm 7, after Lochmann et
-// al. 2014), for the cast kernel. Unlike as printed, what is open when the ray ends is written, and a layer has a
-// begin of its own: empty stretches between layers belong to none.
+// The layers that the warp is made of, for the cast kernel.
 #if defined(BRACE_KERNEL_CAST)
-
-#define BRACE_EMIT
-#include "volumetric_store.glsl"
-
-uint layers_at;
-int layers_count;
-float layers_begin, layers_end;  // of the open one, units from the entry; begin < 0: none is open
-float layers_depth;              // optical, in powers of two, of the open layer
-float layers_left;               // its transmittance
-vec3 layers_colour;              // premultiplied
-float layers_depth_all;          // of the ray so far
-float layers_whole;              // the opacity that thresholds are shares of
-
-void brace_emit_begin(BraceRay ray) {
-  const uint index = brace_ray_index(brace_area.origin + gl_GlobalInvocationID.xy);
-  layers_at = index * uint(warp_layers);
-  layers_count = 0;
-  layers_begin = -1.0;
-  layers_depth_all = 0.0;
+#define BRACE_LAYERS_COUNT warp_layers
+#define BRACE_LAYERS_SPREAD warp_spread
+#define BRACE_LAYERS_GAP_M warp_gap_m
 #if defined(BRACE_WARP_LAYERING_EQUAL)
-  layers_whole = brace_result_colours[index].a;  // of the cast before
-#else
-  layers_whole = 1.0;
+#define BRACE_LAYERS_EQUAL
 #endif
-}
-
-void layers_close(BraceRay ray) {
-  warp_layer_store(layers_at + uint(layers_count),
-                   WarpLayer(brace_distance_m(ray, layers_begin), brace_distance_m(ray, layers_end),
-                             layers_colour, layers_depth));
-  layers_count += 1;
-  layers_begin = -1.0;
-}
-
-void brace_emit_segment(BraceRay ray, float begin, float end, vec3 colour, float optical_depth) {
-  if (!(end > begin)) return;
-  const bool last = layers_count + 1 >= warp_layers;
-  if (layers_begin >= 0.0 && !last &&
-      brace_distance_m(ray, begin) - brace_distance_m(ray, layers_end) > warp_gap_m) {
-    layers_close(ray);
-  }
-  if (layers_begin < 0.0) {
-    layers_begin = begin;
-    layers_depth = 0.0;
-    layers_left = 1.0;
-    layers_colour = vec3(0.0);
-  }
-  layers_end = end;
-  layers_depth += min(optical_depth, 1e9);
-  const float left = exp2(-layers_depth);
-  layers_colour += (layers_left - left) * colour;
-  layers_left = left;
-  layers_depth_all += min(optical_depth, 1e9);
-  const float share = float(layers_count + 1) / float(warp_layers);
-  if (layers_count + 1 < warp_layers && 1.0 - exp2(-layers_depth_all) >= layers_whole * pow(share, warp_spread))
-    layers_close(ray);
-}
-
-void brace_emit_end(BraceRay ray, float end) {
-  if (layers_begin >= 0.0) layers_close(ray);
-  if (layers_count < warp_layers) warp_layer_end(layers_at + uint(layers_count));
-}
-
-#define BRACE_EMIT_NOTHING
-void brace_emit_nothing() {
-  warp_layer_end(brace_ray_index(brace_area.origin + gl_GlobalInvocationID.xy) * uint(warp_layers));
-}
-
+#include "brace/layers_emit.glsl"
 #else
 // The display shows a picture that is warped already.
 #define BRACE_WARP_IDENTITY

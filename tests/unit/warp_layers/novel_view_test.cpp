@@ -76,8 +76,8 @@ class Rig {
         renderer_(device, session_, headset_, *scene_, placement_, data, EyeRenderer::Counting::off, nullptr,
                   EyeRenderer::SecondEye::as_session, EyeRenderer::Layers::as_session),
         eyes_(make_eye_pair(device, session_, headset_)),
-        view_(device, session_.pipeline.at("warp"), headset_.eye.width_px, headset_.eye.height_px,
-              {data / "glsl", data / "kernels" / "warp_layers"}),
+        view_(device, session_.pipeline.at("warp"), {data / "glsl", data / "kernels" / "warp_layers"}),
+        into_(device, headset_.eye.width_px, headset_.eye.height_px),
         commands_(device, "test"),
         head_(head) {
     renderer_.render(head_, eyes_);
@@ -89,12 +89,11 @@ class Rig {
 
   ImageRgba8 from(const gpu::Device& device, const Pose& head) {
     commands_.reset();
-    view_.record(commands_, eyes_[0], eye_view(headset_, sim::Eye::left, head_), eye_pose(head), box_);
+    view_.record(commands_, layer_source(eyes_[0], view(head_)), view(head), into_, box_);
     gpu::submit_and_wait(commands_);
-    return picture(device, view_.image());
+    return picture(device, into_.image);
   }
 
-  Pose eye_pose(const Pose& head) const { return compose(head, headset_.profile.eyes[0].head_from_eye); }
   NovelView::Counts counted() const { return view_.counted(); }
   const VolumePlacement& placement() const { return placement_; }
   EyeView view(const Pose& head) const { return eye_view(headset_, sim::Eye::left, head); }
@@ -114,6 +113,7 @@ class Rig {
   EyeRenderer renderer_;
   EyePair eyes_;
   NovelView view_;
+  EyeTarget into_;
   NovelView::Box box_;
   gpu::CommandList commands_;
   Pose head_;
