@@ -16,6 +16,7 @@
 #include "bench/replay.hpp"
 #include "bench/schedule.hpp"
 #include "bench/skip.hpp"
+#include "bench/stereo.hpp"
 #include "bench/warp.hpp"
 #include "tools/command.hpp"
 
@@ -123,6 +124,18 @@ std::string run_schedule(const BenchCommand& command) {
   return command.json ? to_json(result) : to_text(result);
 }
 
+std::string run_stereo(const BenchCommand& command) {
+  StereoBenchOptions options;
+  options.device = device_options(command);
+  options.data_folder = data_folder();
+  options.stages = make_stages({}).registry;
+  options.model = find_cost_model(data_folder() / "costs", "gtx-1080");
+  if (command.quick) options.views = 8;
+  if (!command.volumes.empty()) options.volumes = command.volumes;
+  const StereoBenchResult result = bench_stereo(options);
+  return command.json ? to_json(result) : to_text(result);
+}
+
 std::string run_warp(const BenchCommand& command) {
   WarpBenchOptions options;
   options.device = device_options(command);
@@ -163,6 +176,7 @@ const std::vector<Benchmark>& benchmarks() {
                                              {"mab", run_mab},
                                              {"plan", run_plan},
                                              {"schedule", run_schedule},
+                                             {"stereo", run_stereo},
                                              {"warp", run_warp}};
   return all;
 }

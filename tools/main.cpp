@@ -204,8 +204,9 @@ void add_bench(CLI::App& app, BenchCommand& command, Action& action) {
   CLI::App* bench =
       app.add_subcommand("bench", "Measure this machine against published and installed rivals");
   bench
-      ->add_option("name", command.name,
-                   "raycast, replay, distort, skip, costs, host, integrators, mab, plan, schedule or warp")
+      ->add_option(
+          "name", command.name,
+          "raycast, replay, distort, skip, costs, host, integrators, mab, plan, schedule, stereo or warp")
       ->required();
   add_gpu_option(*bench, command.gpu);
   bench->add_flag("--quick", command.quick, "Fewer repetitions: a first look, not a figure to quote");
@@ -217,7 +218,7 @@ void add_bench(CLI::App& app, BenchCommand& command, Action& action) {
       ->take_all();
   bench
       ->add_option("--volume", command.volumes,
-                   "skip: a file or generator for frames beside the scenes; mab, plan: the volumes")
+                   "skip: a file or generator for frames beside the scenes; mab, plan, stereo: the volumes")
       ->take_all();
   bench->add_option("--partitions", command.partitions, "skip: numbers of partitions")
       ->take_all()

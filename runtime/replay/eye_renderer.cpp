@@ -139,10 +139,10 @@ EyeRenderer::EyeRenderer(const gpu::Device& device, const Session& session, cons
     watchdog->arm_guard(rays().depths_m);
   }
   if (second_eye == SecondEye::ray_cast || !is_single_pass(session)) return;
-  const StereoPlan plan = plan_single_pass(device, session, headset, scene.volume.info(), placement);
-  single_pass_ = std::make_unique<SinglePass>(
-      SinglePass::Inputs{device, session, headset, scene, placement, data_folder}, plan,
-      session_kernels(session, scene, data_folder, counting == Counting::on, !plan.layers_left_out, false));
+  single_pass_ =
+      make_single_pass({device, session, headset, scene, placement, data_folder}, [&](bool with_snippet) {
+        return session_kernels(session, scene, data_folder, counting == Counting::on, with_snippet, false);
+      });
 }
 
 void EyeRenderer::transfer_changed() {

@@ -194,7 +194,7 @@ Series replay_series(const LabelledSession& labelled, const ReplayOptions& optio
   if (work.pixels != nullptr) {
     series.pictures = work.pixels->pictures();
     if (const std::string note = work.pixels->renderer().stereo_note(); !note.empty())
-      series.facts.push_back({"stereo/layers, frames", note});
+      series.facts.push_back({session.pipeline.at("stereo").stage.id() + ", frames", note});
     add_fill_facts(session, work.pixels->display(), series);
   }
   return series;

@@ -111,13 +111,13 @@ std::unique_ptr<FrameWork> count_with_probes(const SeriesWorkInputs& in, SeriesW
                        in.options.data_folder);
   auto counted = std::make_unique<CountedWork>(probe_work(in, renderer, scene, display));
   if (const std::string note = renderer.stereo_note(); !note.empty())
-    work.facts.push_back({"stereo/layers, frames", note});
+    work.facts.push_back({in.session.pipeline.at("stereo").stage.id() + ", frames", note});
   return counted;
 }
 
 /// What single-pass stereo takes, said before any of it is allocated.
 void announce_stereo(const SeriesWorkInputs& in, SeriesWork& work) {
-  if (!is_single_pass(in.session)) return;
+  if (!is_by_layers(in.session)) return;
   const StereoPlan plan =
       plan_single_pass(*in.device, in.session, in.headset, work.scene->volume.info(), in.placement);
   if (in.options.messages) fmt::print(stderr, "stereo/layers: {}\n", plan.summary);

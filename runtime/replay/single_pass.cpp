@@ -9,25 +9,27 @@ namespace brace {
 namespace {
 
 void require_stages(const Session& session) {
+  const std::string stereo = session.pipeline.at("stereo").stage.id();
   if (session.run.watchdog != WatchdogLevel::off) {
     throw input_error(
-        "run.watchdog = '{}' does not look into stereo/layers; accepted with it: 'off', or stereo/two_pass",
-        to_string(session.run.watchdog));
+        "run.watchdog = '{}' does not look into {}; accepted with it: 'off', or stereo/two_pass",
+        to_string(session.run.watchdog), stereo);
   }
   const StageInfo& rays = session.pipeline.at("rays").stage;
   if (rays.id() != "rays/full_rate") {
     throw input_error(
-        "stereo/layers does not work with {}: its layers need a ray per pixel; accepted: rays/full_rate, or "
+        "{} does not work with {}: its layers need a ray per pixel; accepted: rays/full_rate, or "
         "stereo/two_pass",
-        rays.id());
+        stereo, rays.id());
   }
   const StageInfo& cast = session.pipeline.at("cast").stage;
   const auto& outputs = cast.outputs;
   if (std::find(outputs.begin(), outputs.end(), "segments") == outputs.end()) {
     throw input_error(
-        "stereo/layers does not work with {}: that stage does not give its segments (outputs = "
-        "[\"segments\"]); accepted: cast/dvr, or stereo/two_pass",
-        cast.id());
+        "{} does not work with {}: that stage does not give its segments (outputs = [\"segments\"]); "
+        "accepted: "
+        "cast/dvr, or stereo/two_pass",
+        stereo, cast.id());
   }
 }
 
@@ -38,8 +40,12 @@ EyeViews views_of(const Headset& headset, const Pose& world_from_head) {
 
 }  // namespace
 
-bool is_single_pass(const Session& session) {
+bool is_by_layers(const Session& session) {
   return session.pipeline.at("stereo").stage.id() == "stereo/layers";
+}
+
+bool is_by_novel_view(const Session& session) {
+  return session.pipeline.at("stereo").stage.id() == "stereo/novel_view";
 }
 
 StereoPlan plan_single_pass(const gpu::Device& device, const Session& session, const Headset& headset,
@@ -53,7 +59,7 @@ StereoPlan plan_single_pass(const gpu::Device& device, const Session& session, c
       {std::min(limits.storage_buffer_bytes_max, limits.allocation_bytes_max), limits.memory_bytes});
 }
 
-SinglePass::SinglePass(const Inputs& in, const StereoPlan& plan, const CastKernels& kernels)
+ByLayers::ByLayers(const Inputs& in, const StereoPlan& plan, const CastKernels& kernels)
     : device_(in.device),
       headset_(in.headset),
       scene_(in.scene),
@@ -63,7 +69,7 @@ SinglePass::SinglePass(const Inputs& in, const StereoPlan& plan, const CastKerne
               in.headset.eye.height_px, {in.data_folder / "glsl", in.data_folder / "kernels" / "stereo"}),
       commands_(in.device, "single-pass stereo") {}
 
-std::optional<JobOutcome> SinglePass::render(const Pose& world_from_head, const EyePair& into) {
+std::optional<JobOutcome> ByLayers::render(const Pose& world_from_head, const EyePair& into) {
   const EyeViews eyes = views_of(headset_, world_from_head);
   ++frames_;
   if (!layers_.begin_frame(eyes, scene_.volume.info(), placement_)) {
@@ -102,12 +108,110 @@ std::optional<JobOutcome> SinglePass::render(const Pose& world_from_head, const 
   return outcome;
 }
 
-std::string SinglePass::note() const {
+std::string ByLayers::note() const {
   if (cast_twice_ == 0) return "";
   return fmt::format(
       "{} of {} eye frames were ray cast twice: the volume was nearer than the layers allow ({}); a smaller "
       "near_m, or more layers, takes it",
       cast_twice_, frames_, layers_.plan().summary);
+}
+
+namespace {
+
+/// The left eye's rays with those beside its picture that the right eye sees content of.
+RayGrid grid_with_margins(const Headset& headset, double near_m) {
+  const EyeViews eyes = views_of(headset, Pose{});
+  constexpr double far_m = 1e3;
+  const RayMargins margins = ray_margins(stereo_geometry(eyes.left, eyes.right), headset.eye.width_px,
+                                         headset.eye.height_px, {near_m, far_m});
+  return {margins.left + headset.eye.width_px + margins.right,
+          margins.top + headset.eye.height_px + margins.bottom, margins.left, margins.top};
+}
+
+gpu::Buffer layer_buffer(const gpu::Device& device, const RayGrid& grid, const PipelineStage& stereo) {
+  const auto layers = static_cast<std::uint64_t>(stereo.value("layers"));
+  const std::uint64_t rays = static_cast<std::uint64_t>(grid.across) * static_cast<std::uint64_t>(grid.down);
+  const std::uint64_t bytes = rays * layers * 16, bytes_max = device.limits().storage_buffer_bytes_max;
+  if (bytes > bytes_max) {
+    throw input_error(
+        "{}: {} layers of {} x {} rays need {} bytes, but {} binds at most {}; accepted: layers up to {}, or "
+        "a smaller "
+        "device.resolution_scale",
+        stereo.stage.id(), layers, grid.across, grid.down, bytes, device.info().name, bytes_max,
+        bytes_max / (rays * 16));
+  }
+  return {device, "novel view layers", bytes, gpu::Memory::device};
+}
+
+const Session& checked(const Session& session) {
+  require_stages(session);
+  return session;
+}
+
+}  // namespace
+
+ByNovelView::ByNovelView(const Inputs& in, const CastKernels& kernels)
+    : device_(in.device),
+      headset_(in.headset),
+      scene_(in.scene),
+      placement_(in.placement),
+      grid_(grid_with_margins(in.headset, checked(in.session).pipeline.at("stereo").value("near_m"))),
+      pipeline_(in.device, kernels),
+      rays_(in.device, grid_.across, grid_.down),
+      layers_(layer_buffer(in.device, grid_, in.session.pipeline.at("stereo"))),
+      view_(in.device, in.session.pipeline.at("stereo"),
+            {in.data_folder / "glsl", in.data_folder / "kernels" / "warp_layers"}),
+      box_{in.placement.world_from_volume,
+           box_size_with_longest_edge(in.scene.volume.info(), in.placement.size_m)},
+      commands_(in.device, "stereo by novel view") {}
+
+std::optional<JobOutcome> ByNovelView::render(const Pose& world_from_head, const EyePair& into) {
+  const EyeViews eyes = views_of(headset_, world_from_head);
+  ++frames_;
+  const EyeTarget& left = into[0];
+  CastPipeline::set_eye(device_, left, eyes.left, placement_, scene_.volume, scene_.transfer, grid_);
+  const auto skip = scene_.skip_bindings();
+  bindings_.assign(skip.begin(), skip.end());
+  bindings_.push_back(layers_binding(layers_));
+  const CastPipeline::Resources resources{scene_.volume, scene_.transfer, rays_, left, bindings_};
+  pipeline_.reset_counters(device_);
+  commands_.reset();
+  const auto step = [&](const char* name, const auto& record) {
+    commands_.begin_timing(name);
+    record();
+    commands_.barrier();
+    commands_.end_timing();
+  };
+  const CastArea all{0, 0, grid_.across, grid_.down};
+  commands_.barrier();
+  step("opening", [&] { pipeline_.record_opening(commands_, resources, all); });
+  step("cast", [&] { pipeline_.record_cast(commands_, resources, all); });
+  step("closing", [&] {
+    pipeline_.record_closing(commands_, resources, {0, 0, left.width_px, left.height_px});
+  });
+  step("stereo", [&] { view_.record(commands_, {layers_, eyes.left, grid_}, eyes.right, into[1], box_); });
+  JobOutcome outcome;
+  for (const gpu::Timing& timing : gpu::submit_and_wait(commands_))
+    outcome.device_time += SimDuration(timing.device_ns);
+  outcome.work = pipeline_.counted(device_);
+  outcome.work.texels = view_.counted().segments;
+  pixels_ += static_cast<std::int64_t>(view_.counted().uncovered);
+  view_.reset_counters();
+  return outcome;
+}
+
+std::string ByNovelView::note() const {
+  if (pixels_ == 0) return "";
+  return fmt::format("{:.1f} pixels per frame of the right eye look beyond what the left eye's rays met",
+                     static_cast<double>(pixels_) / static_cast<double>(frames_));
+}
+
+std::unique_ptr<SinglePass> make_single_pass(const SinglePass::Inputs& in,
+                                             const std::function<CastKernels(bool)>& cast_kernels) {
+  if (is_by_novel_view(in.session)) return std::make_unique<ByNovelView>(in, cast_kernels(true));
+  const StereoPlan plan =
+      plan_single_pass(in.device, in.session, in.headset, in.scene.volume.info(), in.placement);
+  return std::make_unique<ByLayers>(in, plan, cast_kernels(!plan.layers_left_out));
 }
 
 }  // namespace brace

@@ -2,6 +2,8 @@
 
 #include <array>
 #include <filesystem>
+#include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 
@@ -9,23 +11,30 @@
 #include "runtime/replay/headset.hpp"
 #include "runtime/replay/scene.hpp"
 #include "runtime/stereo/stereo_layers.hpp"
+#include "runtime/warp_layers/novel_view.hpp"
 
 namespace brace {
 
 /// The pictures of both eyes, indexed by sim::Eye.
 using EyePair = std::array<EyeTarget, 2>;
 
-/// Whether the session's stereo stage is stereo/layers.
-bool is_single_pass(const Session& session);
+/// Whether the session's stereo stage is stereo/layers; whether it is stereo/novel_view.
+bool is_by_layers(const Session& session);
+bool is_by_novel_view(const Session& session);
+/// Either: the left eye alone is ray cast.
+inline bool is_single_pass(const Session& session) {
+  return is_by_layers(session) || is_by_novel_view(session);
+}
 
 /// Layers, near plane and memory of the session's stereo/layers. Throws input_error for stages that it cannot
 /// work with, headsets whose eyes no shift connects, and layers that do not fit.
 StereoPlan plan_single_pass(const gpu::Device& device, const Session& session, const Headset& headset,
                             const VolumeInfo& volume, const VolumePlacement& placement);
 
-/// Renders both eyes by casting the left one's rays alone. Everything given must outlive it.
+/// Renders both eyes by casting the left one's rays alone.
 class SinglePass {
  public:
+  /// Everything must outlive it.
   struct Inputs {
     const gpu::Device& device;
     const Session& session;
@@ -34,15 +43,23 @@ class SinglePass {
     const VolumePlacement& placement;
     const std::filesystem::path& data_folder;
   };
+  virtual ~SinglePass() = default;
 
+  /// Empty: the volume is too near for this frame, which must be cast twice; nothing was done.
+  virtual std::optional<JobOutcome> render(const Pose& world_from_head, const EyePair& into) = 0;
+
+  /// For the report, e.g. how many frames were cast twice and why; "" if there is nothing to say.
+  virtual std::string note() const = 0;
+};
+
+/// stereo/layers: by re-projection layers.
+class ByLayers final : public SinglePass {
+ public:
   /// `kernels`: the session's; with its stereo stage's snippet unless the plan leaves layers out.
-  SinglePass(const Inputs& inputs, const StereoPlan& plan, const CastKernels& kernels);
+  ByLayers(const Inputs& inputs, const StereoPlan& plan, const CastKernels& kernels);
 
-  /// Empty: the volume is too near for the layers in this frame, which must be cast twice; nothing was done.
-  std::optional<JobOutcome> render(const Pose& world_from_head, const EyePair& into);
-
-  /// How many frames were cast twice and why; "" if none.
-  std::string note() const;
+  std::optional<JobOutcome> render(const Pose& world_from_head, const EyePair& into) override;
+  std::string note() const override;
 
  private:
   const gpu::Device& device_;
@@ -55,5 +72,36 @@ class SinglePass {
   gpu::CommandList commands_;
   std::int64_t frames_ = 0, cast_twice_ = 0;
 };
+
+/// stereo/novel_view: by layers of emission and absorption along the left eye's rays (runtime/warp_layers).
+class ByNovelView final : public SinglePass {
+ public:
+  /// `kernels`: the session's with its stereo stage's snippet. Throws input_error as plan_single_pass does,
+  /// and for layers that the device cannot hold.
+  ByNovelView(const Inputs& inputs, const CastKernels& kernels);
+
+  std::optional<JobOutcome> render(const Pose& world_from_head, const EyePair& into) override;
+  std::string note() const override;
+
+ private:
+  const gpu::Device& device_;
+  const Headset& headset_;
+  const SceneOnDevice& scene_;
+  VolumePlacement placement_;
+  RayGrid grid_;
+  CastPipeline pipeline_;
+  RayBuffers rays_;
+  gpu::Buffer layers_;
+  NovelView view_;
+  NovelView::Box box_;
+  std::vector<gpu::Binding> bindings_;
+  gpu::CommandList commands_;
+  std::int64_t frames_ = 0, pixels_ = 0;
+};
+
+/// What of a session's work is done in single pass; `cast_kernels(true)` composes its stereo stage's snippet
+/// in.
+std::unique_ptr<SinglePass> make_single_pass(
+    const SinglePass::Inputs& inputs, const std::function<CastKernels(bool with_snippet)>& cast_kernels);
 
 }  // namespace brace
