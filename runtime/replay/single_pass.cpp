@@ -1,6 +1,8 @@
 #include "runtime/replay/single_pass.hpp"
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 
 #include "base/error.hpp"
 
@@ -118,14 +120,43 @@ std::string ByLayers::note() const {
 
 namespace {
 
+/// The tangents of the left eye between which the right eye sees content at depths from near_m on. Canted
+/// displays are eyes like others here.
+EyeView widened(const EyeViews& eyes, double near_m) {
+  constexpr double far_m = 1e3;
+  EyeView wide = eyes.left;
+  const EyeView& right = eyes.right;
+  const Pose left_from_right = compose(inverse(eyes.left.world_from_eye), right.world_from_eye);
+  const std::array xs = {right.tan_left, 0.5 * (right.tan_left + right.tan_right), right.tan_right};
+  const std::array ys = {right.tan_bottom, 0.5 * (right.tan_bottom + right.tan_top), right.tan_top};
+  for (const double x : xs)
+    for (const double y : ys)
+      for (const double depth_m : {near_m, far_m}) {
+        const glm::dvec3 p =
+            left_from_right.orientation * (depth_m * glm::dvec3(x, y, -1.0)) + left_from_right.position;
+        if (p.z >= -0.1 * depth_m) continue;  // so far beside that no plane shows it
+        wide.tan_left = std::min(wide.tan_left, p.x / -p.z);
+        wide.tan_right = std::max(wide.tan_right, p.x / -p.z);
+        wide.tan_bottom = std::min(wide.tan_bottom, p.y / -p.z);
+        wide.tan_top = std::max(wide.tan_top, p.y / -p.z);
+      }
+  return wide;
+}
+
 /// The left eye's rays with those beside its picture that the right eye sees content of.
 RayGrid grid_with_margins(const Headset& headset, double near_m) {
   const EyeViews eyes = views_of(headset, Pose{});
-  constexpr double far_m = 1e3;
-  const RayMargins margins = ray_margins(stereo_geometry(eyes.left, eyes.right), headset.eye.width_px,
-                                         headset.eye.height_px, {near_m, far_m});
-  return {margins.left + headset.eye.width_px + margins.right,
-          margins.top + headset.eye.height_px + margins.bottom, margins.left, margins.top};
+  const EyeView wide = widened(eyes, near_m);
+  const double across = (eyes.left.tan_right - eyes.left.tan_left) / headset.eye.width_px;
+  const double down = (eyes.left.tan_top - eyes.left.tan_bottom) / headset.eye.height_px;
+  const auto pixels = [](double tangents, double per_px) {
+    return static_cast<int>(std::ceil(tangents / per_px - 1e-9));
+  };
+  const int left = pixels(eyes.left.tan_left - wide.tan_left, across);
+  const int right = pixels(wide.tan_right - eyes.left.tan_right, across);
+  const int top = pixels(wide.tan_top - eyes.left.tan_top, down);
+  const int bottom = pixels(eyes.left.tan_bottom - wide.tan_bottom, down);
+  return {left + headset.eye.width_px + right, top + headset.eye.height_px + bottom, left, top};
 }
 
 gpu::Buffer layer_buffer(const gpu::Device& device, const RayGrid& grid, const PipelineStage& stereo) {

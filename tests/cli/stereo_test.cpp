@@ -1,4 +1,4 @@
-// stereo/layers through the command: its pictures beside those of two passes.
+// stereo/layers and stereo/novel_view through the command: their pictures beside those of two passes.
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -77,16 +77,41 @@ double mean_difference(const ImageRgba8& a, const ImageRgba8& b) {
   return sum / (a.width_px * a.height_px);
 }
 
+void expect_same_inside(const ImageRgba8& two, const ImageRgba8& one) {
+  // Away from the edges of the box, where the path's length has kinks that pixels of both eyes cut elsewhere:
+  // where the picture is smooth.
+  int inside = 0;
+  for (int y = 1; y + 1 < two.height_px; ++y) {
+    for (int x = 1; x + 1 < two.width_px; ++x) {
+      int lowest = 255, highest = 0;
+      for (int dy = -1; dy <= 1; ++dy) {
+        for (int dx = -1; dx <= 1; ++dx) {
+          lowest = std::min<int>(lowest, two.at(x + dx, y + dy).r);
+          highest = std::max<int>(highest, two.at(x + dx, y + dy).r);
+        }
+      }
+      if (lowest == 0 || highest - lowest > 3) continue;
+      ASSERT_LT(highest, 200);
+      ++inside;
+      EXPECT_NEAR(one.at(x, y).r, two.at(x, y).r, 2) << x << " " << y;
+    }
+  }
+  EXPECT_GT(inside, 20);
+}
+
 TEST_F(Stereo, CastEyeIsThatOfTwoPassesBitForBitAndTheOtherClose) {
   ASSERT_EQ(run("two", {}).exit_code, 0);
-  const Outcome layers = run("one", {"pipeline.stereo=layers"});
-  ASSERT_EQ(layers.exit_code, 0) << layers.err;
-  EXPECT_THAT(layers.err, HasSubstr("layers of"));
-  EXPECT_EQ(largest_difference(picture("two", "left"), picture("one", "left")), 0);
-  const double eyes_apart = mean_difference(picture("two", "left"), picture("two", "right"));
-  const double error = mean_difference(picture("two", "right"), picture("one", "right"));
-  EXPECT_GT(eyes_apart, 0.5);
-  EXPECT_LT(error, 0.25 * eyes_apart);
+  for (const std::string stage : {"layers", "novel_view"}) {
+    const Outcome outcome = run(stage, {"pipeline.stereo=" + stage});
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+    EXPECT_EQ(largest_difference(picture("two", "left"), picture(stage, "left")), 0) << stage;
+    const double eyes_apart = mean_difference(picture("two", "left"), picture("two", "right"));
+    const double error = mean_difference(picture("two", "right"), picture(stage, "right"));
+    EXPECT_GT(eyes_apart, 0.5);
+    EXPECT_LT(error, 0.25 * eyes_apart) << stage;
+    EXPECT_LT(samples(stage), 0.7 * samples("two")) << stage;
+  }
+  EXPECT_THAT(run("said", {"pipeline.stereo=layers"}).err, HasSubstr("layers of"));
 }
 
 TEST_F(Stereo, SkippingChangesNoPictureOfEitherEye) {
@@ -115,29 +140,28 @@ points = [
   const std::vector<std::string> slab = {"scene.volume=generator:slab:16", "scene.size_m=0.5",
                                          "scene.transfer_function=thin.toml"};
   ASSERT_EQ(run("two", slab).exit_code, 0);
-  std::vector<std::string> layers = slab;
-  layers.insert(layers.end(), {"pipeline.stereo=layers", "stage.layers.format=rgba32f"});
-  ASSERT_EQ(run("one", layers).exit_code, 0);
-  const ImageRgba8 two = picture("two", "right"), one = picture("one", "right");
-  // Away from the edges of the box, where the path's length has kinks that pixels of both eyes cut elsewhere:
-  // where the picture is smooth.
-  int inside = 0;
-  for (int y = 1; y + 1 < two.height_px; ++y) {
-    for (int x = 1; x + 1 < two.width_px; ++x) {
-      int lowest = 255, highest = 0;
-      for (int dy = -1; dy <= 1; ++dy) {
-        for (int dx = -1; dx <= 1; ++dx) {
-          lowest = std::min<int>(lowest, two.at(x + dx, y + dy).r);
-          highest = std::max<int>(highest, two.at(x + dx, y + dy).r);
-        }
-      }
-      if (lowest == 0 || highest - lowest > 3) continue;
-      ASSERT_LT(highest, 200);
-      ++inside;
-      EXPECT_NEAR(one.at(x, y).r, two.at(x, y).r, 2) << x << " " << y;
-    }
+  for (const std::string stage : {"layers", "novel_view"}) {
+    std::vector<std::string> once = slab;
+    once.insert(once.end(), {"pipeline.stereo=" + stage, "stage.layers.format=rgba32f"});
+    ASSERT_EQ(run(stage, once).exit_code, 0);
+    expect_same_inside(picture("two", "right"), picture(stage, "right"));
   }
-  EXPECT_GT(inside, 20);
+}
+
+TEST_F(Stereo, NovelViewIsRefusedByNameWhereItsLayersCannotBeMade) {
+  for (const char* setting : {"pipeline.rays=mab", "pipeline.cast=native", "run.watchdog=full",
+                              "pipeline.schedule=chunked", "pipeline.warp=volumetric"}) {
+    const Outcome outcome = run("one", {"pipeline.stereo=novel_view", setting});
+    EXPECT_EQ(outcome.exit_code, 2) << setting;
+    EXPECT_THAT(outcome.err, HasSubstr("stereo/novel_view")) << setting;
+  }
+}
+
+TEST_F(Stereo, NovelViewWorksWithWarpsThatReadDepth) {
+  ASSERT_EQ(run("two", {"pipeline.warp=grid"}).exit_code, 0);
+  ASSERT_EQ(run("one", {"pipeline.warp=grid", "pipeline.stereo=novel_view"}).exit_code, 0);
+  const double apart = mean_difference(picture("two", "left"), picture("two", "right"));
+  EXPECT_LT(mean_difference(picture("two", "right"), picture("one", "right")), 0.3 * apart);
 }
 
 TEST_F(Stereo, TooNearForTheLayersIsCastTwiceAndCounted) {
@@ -152,9 +176,11 @@ TEST_F(Stereo, TooNearForTheLayersIsCastTwiceAndCounted) {
 }
 
 TEST_F(Stereo, VolumeBehindTheEyesIsNotSeen) {
-  const Outcome outcome = run("one", {"pipeline.stereo=layers", "scene.position=front:-2"});
-  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
-  EXPECT_EQ(largest_difference(picture("one", "left"), picture("one", "right")), 0);
+  for (const char* stage : {"pipeline.stereo=novel_view", "pipeline.stereo=layers"}) {
+    const Outcome outcome = run("one", {stage, "scene.position=front:-2"});
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+    EXPECT_EQ(largest_difference(picture("one", "left"), picture("one", "right")), 0) << stage;
+  }
   EXPECT_EQ(place_.read("one/report.html").find("ray cast twice"), std::string::npos);
 }
 
@@ -169,10 +195,18 @@ TEST_F(Stereo, LessThanAPixelOfDisparityLeavesTheStageOut) {
   EXPECT_TRUE(said);
 }
 
-TEST_F(Stereo, CantedDisplaysAreRefused) {
+TEST_F(Stereo, LayersRefuseCantedDisplays) {
   const Outcome outcome = run("one", {"pipeline.stereo=layers", "device.profile=valve-index"});
   EXPECT_EQ(outcome.exit_code, 2);
   EXPECT_THAT(outcome.err, HasSubstr("canted"));
+}
+
+TEST_F(Stereo, NovelViewTakesCantedDisplays) {
+  ASSERT_EQ(run("two", {"device.profile=valve-index"}).exit_code, 0);
+  const Outcome outcome = run("one", {"pipeline.stereo=novel_view", "device.profile=valve-index"});
+  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  const double apart = mean_difference(picture("two", "left"), picture("two", "right"));
+  EXPECT_LT(mean_difference(picture("two", "right"), picture("one", "right")), 0.25 * apart);
 }
 
 }  // namespace
