@@ -41,14 +41,14 @@ struct Variant {
 std::vector<Variant> variants() {
   std::vector<Variant> all = {
       {"none", "none"}, {"quad", "quad"}, {"grid", "grid"}, {"volumetric", "volumetric"}};
-  for (const double steps : {4.0, 8.0, 16.0, 64.0, 128.0})
-    all.push_back({fmt::format("volumetric, {:g} steps", steps), "volumetric", {{"steps", steps}}});
+  for (const double steps : {4.0, 16.0, 32.0, 128.0})
+    all.push_back({fmt::format("volumetric, {:g} steps", steps),
+                   "volumetric",
+                   {{"steps", steps}},
+                   {{"sampling", "uniform"}}});
   for (const double layers : {2.0, 8.0})
     all.push_back({fmt::format("volumetric, {:g} layers", layers), "volumetric", {{"layers", layers}}});
-  all.push_back({"volumetric, exact", "volumetric", {}, {{"sampling", "exact"}}});
-  all.push_back({"volumetric, nearest", "volumetric", {}, {{"filter", "nearest"}}});
-  all.push_back(
-      {"volumetric, exact, nearest", "volumetric", {}, {{"sampling", "exact"}, {"filter", "nearest"}}});
+  all.push_back({"volumetric, linear", "volumetric", {}, {{"filter", "linear"}}});
   all.push_back({"volumetric, equal", "volumetric", {}, {{"layering", "equal"}}});
   return all;
 }

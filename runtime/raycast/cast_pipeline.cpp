@@ -39,6 +39,7 @@ CastKernels compose_cast_kernels(const CastParts& parts, const VolumeOnDevice& v
     kernels.opening = describe_kernel(parts, "rays_main.comp", resolve);
     kernels.closing = describe_kernel(parts, "close_main.comp", resolve);
   }
+  if (parts.layers_by_ray) kernels.closing.defines.emplace_back("BRACE_LAYERS_BY_RAY", "1");
   if (!parts.native_cast) kernels.cast = describe_kernel(parts, "cast_main.comp", resolve);
   kernels.cast.defines = volume.defines();
   if (parts.phong) kernels.cast.defines.emplace_back("BRACE_SHADING_PHONG", "1");
@@ -46,7 +47,7 @@ CastKernels compose_cast_kernels(const CastParts& parts, const VolumeOnDevice& v
   return kernels;
 }
 
-EyeTarget::EyeTarget(const gpu::Device& device, int width, int height, int layer_count)
+EyeTarget::EyeTarget(const gpu::Device& device, int width, int height, RayLayers wanted)
     : width_px(width),
       height_px(height),
       image(device, "eye image", pixels(width, height) * 4, gpu::Memory::device),
@@ -54,20 +55,23 @@ EyeTarget::EyeTarget(const gpu::Device& device, int width, int height, int layer
       image_texels(device, image, gpu::Format::r32_uint),
       depth_texels(device, depth, gpu::Format::r32_float),
       params(device, "eye parameters", sizeof(BraceEyeParams), gpu::Memory::upload) {
-  if (layer_count == 0) return;
-  const std::uint64_t bytes = pixels(width, height) * static_cast<std::uint64_t>(layer_count) * 16;
+  if (wanted.count == 0) return;
+  const std::uint64_t rays = wanted.rays == 0 ? pixels(width, height) : wanted.rays;
+  const std::uint64_t bytes = rays * static_cast<std::uint64_t>(wanted.count) * 16;
   const std::uint64_t bytes_max = device.limits().storage_buffer_bytes_max;
   if (bytes > bytes_max) {
     throw input_error(
-        "{} layers of {} x {} px need {} bytes, but {} binds at most {}: accepted: at most {} layers, or a "
-        "smaller "
-        "device.resolution_scale",
-        layer_count, width, height, bytes, device.info().name, bytes_max,
-        bytes_max / (pixels(width, height) * 16));
+        "{} layers of {} rays ({} x {} px) need {} bytes, but {} binds at most {}: accepted: at most {} "
+        "layers, or "
+        "a smaller device.resolution_scale",
+        wanted.count, rays, width, height, bytes, device.info().name, bytes_max, bytes_max / (rays * 16));
   }
   layers = gpu::Buffer(device, "eye layers", bytes, gpu::Memory::device);
+  if (wanted.rays != 0)
+    layer_rays = gpu::Buffer(device, "rays of pixels", pixels(width, height) * 4, gpu::Memory::device);
   gpu::CommandList clear(device, "clear eye layers");
   clear.fill(layers, 0);
+  if (wanted.rays != 0) clear.fill(layer_rays, 0);
   gpu::submit_and_wait(clear);
 }
 
@@ -137,6 +141,10 @@ void CastPipeline::record_opening(gpu::CommandList& commands, const Resources& r
 
 void CastPipeline::record_cast(gpu::CommandList& commands, const Resources& resources,
                                const CastArea& area) const {
+  if (resources.cast_twice) {
+    dispatch(commands, cast_, resources, area);
+    commands.barrier();
+  }
   dispatch(commands, cast_, resources, area);
 }
 

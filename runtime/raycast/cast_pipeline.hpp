@@ -33,6 +33,7 @@ struct CastParts {
   gpu::IncludeResolver stages;
   std::vector<gpu::SpecConstant> constants;  // values of the parameters
   bool phong = false;                        // otherwise no gradient is in the kernel
+  bool layers_by_ray = false;                // closing tells which ray's layers stand for a pixel
   bool counters = false;                     // count rays, samples, skip steps and shading fetches
   /// Native stages stand in their place: no kernels are composed, and the pipeline must not record them.
   bool native_rays = false, native_cast = false;
@@ -45,11 +46,16 @@ struct CastKernels {
 
 CastKernels compose_cast_kernels(const CastParts& parts, const VolumeOnDevice& volume);
 
+/// Layers of emission and absorption along rays, for warps that take them.
+struct RayLayers {
+  int count = 0;           // per ray; 0: none
+  std::uint64_t rays = 0;  // 0: one per pixel, and no table from pixels to rays
+};
+
 /// The picture of one eye in one eye-frame slot.
 struct EyeTarget {
   EyeTarget() = default;
-  /// `layer_count`: layers per pixel for warps that take them.
-  EyeTarget(const gpu::Device& device, int width_px, int height_px, int layer_count = 0);
+  EyeTarget(const gpu::Device& device, int width_px, int height_px, RayLayers layers = {});
 
   int width_px = 0, height_px = 0;
   gpu::Buffer image;  // a uint per pixel, rows top to bottom: premultiplied RGBA8, r lowest
@@ -57,7 +63,8 @@ struct EyeTarget {
   gpu::TexelBuffer image_texels;  // R32_UINT
   gpu::TexelBuffer depth_texels;  // R32_SFLOAT
   gpu::Buffer params;             // BraceEyeParams
-  gpu::Buffer layers;             // layer_count times 16 bytes per pixel; empty without
+  gpu::Buffer layers;             // 16 bytes per ray and layer; empty without
+  gpu::Buffer layer_rays;  // a uint per pixel: the ray whose layers stand for it; empty if rays are pixels
 };
 
 /// The rays of one eye and what became of them: scratch, shared by all eyes and slots. A ray is two vec4
@@ -114,6 +121,8 @@ class CastPipeline {
     std::span<const gpu::Binding> more = {};  // skip maps, layers, …
     SkipMapBuffers skip_map = {};
     std::optional<RayGrid> grid = {};  // the part of `rays` in use; all of them without
+    bool cast_twice =
+        false;  // a stage wants to know of a ray's result before it is cast: layers of equal shares
 
     int rays_across() const { return grid ? grid->across : rays.across; }
     int rays_down() const { return grid ? grid->down : rays.down; }

@@ -29,6 +29,7 @@ CastKernels session_kernels(const Session& session, const SceneOnDevice& scene,
   parts.constants = std::move(glsl.constants);
   parts.phong = session.scene.shading == "phong";
   parts.counters = counters;
+  parts.layers_by_ray = layers && session.pipeline.at("rays").stage.id() == "rays/mab";
   parts.native_rays = is_native(session, "rays");
   parts.native_cast = is_native(session, "cast");
   return compose_cast_kernels(parts, scene.volume);
@@ -70,8 +71,9 @@ void require_layers(const Session& session) {
   const auto& outputs = cast.outputs;
   if (std::find(outputs.begin(), outputs.end(), "segments") == outputs.end() || cast.native != nullptr)
     refuse(cast.id() + ", which does not give its segments", "cast/dvr");
-  if (const std::string rays = session.pipeline.at("rays").stage.id(); rays != "rays/full_rate")
-    refuse(rays + ": its layers need a ray per pixel", "rays/full_rate");
+  const std::string rays = session.pipeline.at("rays").stage.id();
+  if (rays != "rays/full_rate" && rays != "rays/mab")
+    refuse(rays + ", which does not tell whose ray a pixel's is", "rays/full_rate and rays/mab");
   if (const std::string stereo = session.pipeline.at("stereo").stage.id(); stereo != "stereo/two_pass")
     refuse(stereo + ", whose second eye has no rays to make layers of", "stereo/two_pass");
 }
@@ -104,15 +106,17 @@ void require_cells(const Session& session) {
     refuse("clock.cost = 'recorded:…', which knows no cells", "other costs");
 }
 
-EyePair make_eye_pair(const gpu::Device& device, PictureSize size, int layer_count) {
-  return {EyeTarget(device, size.width_px, size.height_px, layer_count),
-          EyeTarget(device, size.width_px, size.height_px, layer_count)};
+EyePair make_eye_pair(const gpu::Device& device, PictureSize size, RayLayers layers) {
+  return {EyeTarget(device, size.width_px, size.height_px, layers),
+          EyeTarget(device, size.width_px, size.height_px, layers)};
 }
 
 EyePair make_eye_pair(const gpu::Device& device, const Session& session, const Headset& headset) {
   const PipelineStage& warp = session.pipeline.at("warp");
-  if (takes_layers(warp)) require_layers(session);
-  return make_eye_pair(device, headset.eye, layer_count_of(warp));
+  if (!takes_layers(warp)) return make_eye_pair(device, headset.eye);
+  require_layers(session);
+  const std::optional<MabPlan> mab = plan_mab(session, headset);
+  return make_eye_pair(device, headset.eye, {layer_count_of(warp), mab ? mab->capacity() : 0});
 }
 
 EyeRenderer::EyeRenderer(const gpu::Device& device, const Session& session, const Headset& headset,
@@ -174,12 +178,14 @@ CastPipeline::Resources EyeRenderer::resources_of(sim::Eye eye, const EyeTarget&
   const auto skip = scene_.skip_bindings();
   bindings_.assign(skip.begin(), skip.end());
   if (makes_layers_) bindings_.push_back(layers_binding(target.layers));
+  if (makes_layers_ && mab_) bindings_.push_back(layer_rays_binding(target));
   std::optional<RayGrid> grid;
   if (mab_) {
     bindings_.insert(bindings_.end(), mab_->bindings(eye).begin(), mab_->bindings(eye).end());
     grid = mab_->grid(eye);
   }
-  return {scene_.volume, scene_.transfer, rays(), target, bindings_, scene_.skip_map(), grid};
+  const bool cast_twice = makes_layers_ && layers_of_equal_shares(session_.pipeline.at("warp"));
+  return {scene_.volume, scene_.transfer, rays(), target, bindings_, scene_.skip_map(), grid, cast_twice};
 }
 
 EyeCastOutcome EyeRenderer::cast_eye_by_steps(sim::Eye eye, const Pose& world_from_head,

@@ -21,7 +21,7 @@ std::optional<MabPlan> plan_mab(const Session& session, const Headset& headset);
 /// Throws input_error for stages that schedule/chunked cannot cast in cells.
 void require_cells(const Session& session);
 
-EyePair make_eye_pair(const gpu::Device& device, PictureSize size, int layer_count = 0);
+EyePair make_eye_pair(const gpu::Device& device, PictureSize size, RayLayers layers = {});
 
 /// Those that the session's warp needs. Throws input_error for stages that cannot give layers to one that
 /// takes them.

@@ -2,15 +2,6 @@
 
 namespace brace {
 
-namespace {
-
-NovelView novel_view(const gpu::Device& device, const PipelineStage& warp,
-                     const std::filesystem::path& data_folder) {
-  return {device, warp, {data_folder / "glsl", data_folder / "kernels" / "warp_layers"}};
-}
-
-}  // namespace
-
 NovelView::Box box_of(const ActivationInput& input) {
   NovelView::Box box{input.world_from_volume, box_size(*input.volume)};
   for (double& edge : box.edges_m)
@@ -20,23 +11,29 @@ NovelView::Box box_of(const ActivationInput& input) {
 
 LayerWarp::LayerWarp(const gpu::Device& device, const PipelineStage& warp, const ActivationInput& input,
                      PictureSize eye, const std::filesystem::path& data_folder)
-    : box_(box_of(input)),
-      views_{novel_view(device, warp, data_folder), novel_view(device, warp, data_folder)},
+    : device_(device),
+      warp_(warp),
+      data_folder_(data_folder),
+      box_(box_of(input)),
       pictures_(make_eye_pair(device, eye)),
       pixels_(2 * static_cast<std::uint64_t>(eye.width_px) * static_cast<std::uint64_t>(eye.height_px)) {}
 
 void LayerWarp::record(gpu::CommandList& commands, const Headset& headset, const EyeWarp& warp,
                        const EyeTarget& from) {
   const auto i = static_cast<std::size_t>(warp.eye);
-  views_[i].record(commands, layer_source(from, eye_view(headset, warp.eye, warp.render_world_from_head)),
-                   eye_view(headset, warp.eye, warp.warp_world_from_head), pictures_[i], box_);
+  if (!views_[i]) {
+    const NovelView::Folders folders{data_folder_ / "glsl", data_folder_ / "kernels" / "warp_layers"};
+    views_[i].emplace(device_, warp_, folders, static_cast<bool>(from.layer_rays));
+  }
+  views_[i]->record(commands, layer_source(from, eye_view(headset, warp.eye, warp.render_world_from_head)),
+                    eye_view(headset, warp.eye, warp.warp_world_from_head), pictures_[i], box_);
 }
 
 void LayerWarp::take_counts() {
   texels_ = pixels_;
-  for (const NovelView& view : views_) {
-    const NovelView::Counts counts = view.counted();
-    view.reset_counters();
+  for (const std::optional<NovelView>& view : views_) {
+    const NovelView::Counts counts = view->counted();
+    view->reset_counters();
     texels_ += counts.segments;
     counts_.segments += counts.segments;
     counts_.uncovered += counts.uncovered;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 
 #include "runtime/replay/headset.hpp"
 #include "runtime/replay/native_warp.hpp"
@@ -33,8 +34,12 @@ class LayerWarp {
   const NovelView::Counts& counts() const { return counts_; }
 
  private:
+  const gpu::Device& device_;
+  PipelineStage warp_;
+  std::filesystem::path data_folder_;
   NovelView::Box box_;
-  std::array<NovelView, 2> views_;
+  std::array<std::optional<NovelView>, 2>
+      views_;  // made for the first eye frame, which tells whose layers a pixel has
   std::array<EyeTarget, 2> pictures_;
   std::uint64_t pixels_ = 0;  // of both eyes
   std::uint64_t texels_ = 0;

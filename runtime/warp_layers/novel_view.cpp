@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <vector>
 
 #include <glm/gtc/quaternion.hpp>
 
@@ -14,10 +15,11 @@ namespace brace {
 namespace {
 
 /// brace/layers.glsl and novel_view.comp have the same.
-constexpr std::uint32_t kLayersSlot = 32, kParamsSlot = 0, kImageSlot = 1, kCountersSlot = 2, kDepthSlot = 3;
+constexpr std::uint32_t kLayersSlot = 32, kLayerRaysSlot = 33, kParamsSlot = 0, kImageSlot = 1,
+                        kCountersSlot = 2, kDepthSlot = 3;
 
 gpu::ComputePipeline novel_view_pipeline(const gpu::Device& device, const PipelineStage& stage,
-                                         const NovelView::Folders& folders) {
+                                         const NovelView::Folders& folders, bool by_ray) {
   const std::array<const PipelineStage*, 1> stages = {&stage};
   StageGlsl glsl = stage_glsl(stages);
   gpu::KernelDescription kernel;
@@ -26,6 +28,7 @@ gpu::ComputePipeline novel_view_pipeline(const gpu::Device& device, const Pipeli
   kernel.constants = glsl.constants;
   kernel.defines.emplace_back("BRACE_LAYERS_COUNT", stage.stage.family + "_layers");
   kernel.defines.emplace_back("BRACE_LAYERS_STEPS", stage.stage.family + "_steps");
+  if (by_ray) kernel.defines.emplace_back("BRACE_LAYERS_BY_RAY", "1");
   return gpu::make_pipeline(device, kernel);
 }
 
@@ -75,17 +78,30 @@ int layer_count_of(const PipelineStage& warp) {
   return takes_layers(warp) ? static_cast<int>(warp.value("layers")) : 0;
 }
 
+bool layers_of_equal_shares(const PipelineStage& warp) {
+  PipelineStage equal = warp;
+  return equal.set_choice("layering", "equal") && equal.values == warp.values;
+}
+
 gpu::Binding layers_binding(const gpu::Buffer& layers) {
   return gpu::bind(kLayersSlot, layers);
 }
 
-LayerSource layer_source(const EyeTarget& target, const EyeView& eye) {
-  return {target.layers, eye, {target.width_px, target.height_px}};
+gpu::Binding layer_rays_binding(const EyeTarget& target) {
+  return gpu::bind(kLayerRaysSlot, target.layer_rays);
 }
 
-NovelView::NovelView(const gpu::Device& device, const PipelineStage& stage, const Folders& folders)
+LayerSource layer_source(const EyeTarget& target, const EyeView& eye) {
+  return {target.layers,
+          eye,
+          {target.width_px, target.height_px},
+          target.layer_rays ? &target.layer_rays : nullptr};
+}
+
+NovelView::NovelView(const gpu::Device& device, const PipelineStage& stage, const Folders& folders,
+                     bool by_ray)
     : device_(device),
-      pipeline_(novel_view_pipeline(device, stage, folders)),
+      pipeline_(novel_view_pipeline(device, stage, folders, by_ray)),
       params_(device, "novel view parameters", sizeof(BraceNovelViewParams), gpu::Memory::upload),
       counters_(device, "novel view counters", 3 * sizeof(std::uint32_t), gpu::Memory::readback) {
   reset_counters();
@@ -96,9 +112,10 @@ void NovelView::record(gpu::CommandList& commands, const LayerSource& from, cons
   const BraceNovelViewParams params = params_of(from, eye, box);
   gpu::upload_values<BraceNovelViewParams>(device_, params_, std::span(&params, 1));
   commands.barrier();
-  const std::array bindings = {gpu::bind(kParamsSlot, params_), gpu::bind(kImageSlot, into.image),
-                               gpu::bind(kDepthSlot, into.depth), gpu::bind(kCountersSlot, counters_),
-                               layers_binding(from.layers)};
+  std::vector<gpu::Binding> bindings = {gpu::bind(kParamsSlot, params_), gpu::bind(kImageSlot, into.image),
+                                        gpu::bind(kDepthSlot, into.depth),
+                                        gpu::bind(kCountersSlot, counters_), layers_binding(from.layers)};
+  if (from.ray_of_pixel != nullptr) bindings.push_back(gpu::bind(kLayerRaysSlot, *from.ray_of_pixel));
   const auto groups = [](int px) { return static_cast<std::uint32_t>((px + 7) / 8); };
   commands.dispatch(pipeline_, bindings, {}, {groups(eye.width_px), groups(eye.height_px), 1});
   commands.barrier();

@@ -16,14 +16,21 @@ bool takes_layers(const PipelineStage& warp);
 /// Layers per pixel that it asks for; 0 without.
 int layer_count_of(const PipelineStage& warp);
 
+/// Whether its layers are equal shares of what a ray's opacity will be: the ray is cast before to know it.
+bool layers_of_equal_shares(const PipelineStage& warp);
+
 /// Where layers are bound in the cast kernel: 16 bytes times the layers per ray.
 gpu::Binding layers_binding(const gpu::Buffer& layers);
+/// Where the closing kernel writes which ray's layers stand for a pixel.
+gpu::Binding layer_rays_binding(const EyeTarget& target);
 
 /// The eye that layers were cast from, with the grid of its rays: one per pixel, and some beside the picture.
 struct LayerSource {
   const gpu::Buffer& layers;
   EyeView eye;
-  RayGrid rays;
+  RayGrid rays;  // a ray per pixel of it, or an entry of the table
+  const gpu::Buffer* ray_of_pixel =
+      nullptr;  // the table, where the layers are not in the order of the pixels
 };
 /// Rays of an eye's own pixels.
 LayerSource layer_source(const EyeTarget& target, const EyeView& eye);
@@ -36,7 +43,9 @@ class NovelView {
     std::filesystem::path glsl, kernels;  // of brace/*.glsl and of novel_view.comp
   };
   /// `stage`: with the parameters of warp/volumetric or stereo/novel_view.
-  NovelView(const gpu::Device& device, const PipelineStage& stage, const Folders& folders);
+  /// `by_ray`: its sources have tables from pixels to rays.
+  NovelView(const gpu::Device& device, const PipelineStage& stage, const Folders& folders,
+            bool by_ray = false);
 
   /// The volume's box.
   struct Box {

@@ -16,6 +16,13 @@ layout(std430, set = 0, binding = 3) writeonly buffer NovelDepth { float novel_d
 // Segments walked; pixels with some beyond the old picture; pixels with some behind a ray that was stopped.
 layout(std430, set = 0, binding = 2) buffer NovelCounters { uint walked, uncovered, filled; };
 
+#if defined(BRACE_LAYERS_BY_RAY)
+layout(std430, set = 0, binding = 33) readonly buffer LayerRays { uint layer_ray_of_pixel[]; };
+uint ray_of(uint pixel) { return layer_ray_of_pixel[pixel]; }
+#else
+uint ray_of(uint pixel) { return pixel; }
+#endif
+
 #define OLD_NEAR_M 1e-4      // nothing is asked of the old picture nearer to its eye's plane
 #define STOPPED_DEPTH 5.64   // a ray this deep (opacity 0.98, in powers of two) was stopped, not through
 
@@ -59,10 +66,10 @@ struct Stretch {
 };
 
 // What layer m of a pixel has on a stretch: emission (colour times optical depth) and optical depth. `before` is the
-// optical depth of the layers in front; false: there are no more.
+// optical depth of the layers in front; false: there are no more up to there.
 bool layer_on(Stretch on, uint pixel, int m, inout float before, inout vec4 sum, float weight, inout bool behind) {
   const BraceLayer layer = brace_layer_load(pixel * uint(BRACE_LAYERS_COUNT) + uint(m));
-  if (layer.end_m <= layer.begin_m) return false;
+  if (layer.end_m <= layer.begin_m || layer.begin_m >= on.high) return false;  // they come in the order of distance
   before += layer.depth;
   float end_m = layer.end_m;
   float depth = layer.depth;
@@ -96,7 +103,7 @@ void composite(inout Walk walk, vec4 sum) {
 
 #if defined(BRACE_WARP_FILTER_NEAREST) || defined(BRACE_STEREO_FILTER_NEAREST)
 void take(inout Walk walk, vec2 pixel, Stretch on) {
-  const uint index = uint(pixel.y) * view.grid.z + uint(pixel.x);
+  const uint index = ray_of(uint(pixel.y) * view.grid.z + uint(pixel.x));
   float before = 0.0;
   for (int m = 0; m < BRACE_LAYERS_COUNT; ++m) {
     vec4 sum = vec4(0.0);
@@ -111,13 +118,14 @@ void take(inout Walk walk, vec2 pixel, Stretch on) {
   const uvec2 corner = uvec2(inner), beside = min(corner + 1u, view.grid.zw - 1u);
   const vec2 f = inner - vec2(corner);
   const uvec4 indices = uvec4(corner.y, corner.y, beside.y, beside.y) * view.grid.z + uvec4(corner.x, beside.x, corner.x, beside.x);
+  const uvec4 rays = uvec4(ray_of(indices.x), ray_of(indices.y), ray_of(indices.z), ray_of(indices.w));
   const vec4 weights = vec4((1.0 - f.x) * (1.0 - f.y), f.x * (1.0 - f.y), (1.0 - f.x) * f.y, f.x * f.y);
   vec4 before = vec4(0.0);
   bvec4 more = greaterThan(weights, vec4(1e-3));
   for (int m = 0; m < BRACE_LAYERS_COUNT && any(more); ++m) {
     vec4 sum = vec4(0.0);
     [[unroll]] for (int i = 0; i < 4; ++i)
-      if (more[i]) more[i] = layer_on(on, indices[i], m, before[i], sum, weights[i], walk.filled);
+      if (more[i]) more[i] = layer_on(on, rays[i], m, before[i], sum, weights[i], walk.filled);
     composite(walk, sum);
   }
 }

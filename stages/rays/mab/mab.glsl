@@ -79,6 +79,23 @@ void mab_add_level(inout MabSum sum, uint level, uvec2 pixel, float share) {
 #endif
 }
 
+// The ray of the nearest texel of the level with the largest share.
+uint brace_layer_ray(uvec2 pixel) {
+  const float coordinate = brace_mab_coordinates[pixel.y * brace_eye.grid.z + pixel.x];
+  uint largest = 0u;
+  float most = -1.0;
+  for (uint level = 0u; level < brace_mab.counts.x; ++level) {
+    const float share = mab_share(level, coordinate);
+    if (share > most) {
+      most = share;
+      largest = level;
+    }
+  }
+  const uvec2 size = brace_mab.level[largest].xy;
+  const uvec2 at = min(uvec2((vec2(pixel) + 0.5) * (vec2(size) / vec2(brace_eye.grid.zw))), size - 1u);
+  return brace_mab_ray_of_texel[brace_mab.level[largest].z + at.y * size.x + at.x];
+}
+
 // The picture is the levels' mean by share; the depth that of the rays that hit, where they are half or more.
 void brace_close(uvec2 pixel, out vec4 colour, out float depth_m) {
   const float coordinate = brace_mab_coordinates[pixel.y * brace_eye.grid.z + pixel.x];
