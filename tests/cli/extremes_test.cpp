@@ -56,14 +56,20 @@ TEST(Extremes, RunThroughTheStagesOfEveryFamily) {
       arguments.push_back("--set");
       arguments.push_back(setting);
     }
-    const Outcome outcome = place.brace(arguments);
+    Outcome outcome = place.brace(arguments);
     ++index;
     // A combination may be refused, with a message; it may not fail.
     EXPECT_TRUE(outcome.exit_code == 0 || outcome.exit_code == 2) << scene << ": " << outcome.err;
     if (outcome.exit_code != 0) {
       EXPECT_THAT(outcome.err, testing::HasSubstr("brace: ")) << scene;
-      continue;
+      // Again without the stages that share least with others.
+      for (const char* plain : {"pipeline.stereo=two_pass", "pipeline.schedule=whole_frame"}) {
+        arguments.push_back("--set");
+        arguments.push_back(plain);
+      }
+      outcome = place.brace(arguments);
     }
+    if (outcome.exit_code != 0) continue;
     ++done;
     const auto summary = nlohmann::json::parse(outcome.out);
     EXPECT_EQ(summary["vsyncs"], 3) << scene;
@@ -71,7 +77,7 @@ TEST(Extremes, RunThroughTheStagesOfEveryFamily) {
       EXPECT_LE(summary["dssim"]["max"].get<double>(), 1.0) << scene;
     }
   }
-  EXPECT_GE(done, 4u) << "most combinations must be accepted";
+  EXPECT_GE(done, 6u) << "most combinations must be accepted";
 }
 
 TEST(Extremes, AToleranceIsRefusedWhereNothingCanKeepIt) {

@@ -1,5 +1,6 @@
-/* What the novel view kernel knows of one eye: where the layers were cast from, and where it looks from now. One text
- * for C++ and GLSL (std140: only vec4 and uvec4). Metres, in the eye frame that the layers were cast in, "old".
+/* What the novel view kernel knows of one eye: where the layers were cast from, and where it looks from now.
+ * One text for C++ and GLSL (std140: only vec4 and uvec4). Metres, in the eye frame that the layers were cast
+ * in, "old".
  */
 #ifndef BRACE_NOVEL_VIEW_PARAMS_H
 #define BRACE_NOVEL_VIEW_PARAMS_H
@@ -17,9 +18,9 @@ namespace brace {
 #endif
 
 struct BraceNovelViewParams {
-  BRACE_VEC4(fov);              /* of the new picture: xy: tangents of the upper left corner; zw: tangents per pixel,
-                                   z to the right, w downwards (negative) */
-  BRACE_VEC4(rays);             /* the same of the grid of rays that the layers are of */
+  BRACE_VEC4(fov);  /* of the new picture: xy: tangents of the upper left corner; zw: tangents per pixel,
+                       z to the right, w downwards (negative) */
+  BRACE_VEC4(rays); /* the same of the grid of rays that the layers are of */
   BRACE_VEC4S(old_from_new, 4); /* the rotation's columns, then where the new eye stands */
   BRACE_VEC4S(box_from_old, 3); /* rows: direction along a box axis; w: coordinate of the old eye */
   BRACE_VEC4(box_half);         /* xyz: half the box's edges */
