@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/error.hpp"
+#include "bench/cast_choice.hpp"
 #include "runtime/gpu/device.hpp"
 #include "runtime/gpu/shader_compiler.hpp"
 #include "tools/command.hpp"
@@ -57,12 +58,29 @@ std::vector<Check> check_vulkan(const std::string& gpu) {
   return checks;
 }
 
+/// Which raycaster is the one to name in pipeline.cast here: measured, for without a GPU it is not plain.
+Check check_casts(const std::string& gpu) {
+  try {
+    const gpu::Device device(gpu::DeviceOptions{.select = gpu});
+    const std::vector<CastTime> times = time_casts(device, make_stages({}).registry, data_folder());
+    const std::string best = recommended_cast(device, times);
+    std::string found = fmt::format("pipeline.cast = \"{}\" on {}", best,
+                                    device.info().limits.is_software ? "this software device" : "this GPU");
+    for (const CastTime& time : times)
+      found += fmt::format("; {} {:.1f} ms", time.cast, time.frame_ms);
+    return {"raycaster", true, found};
+  } catch (const Error& e) {
+    return {"raycaster", false, e.what()};
+  }
+}
+
 }  // namespace
 
 int doctor_command(const DoctorCommand& command) {
   std::vector<Check> checks = {check_data_folder(), check_stages()};
   for (Check& check : check_vulkan(command.gpu))
     checks.push_back(std::move(check));
+  checks.push_back(check_casts(command.gpu));
   const std::filesystem::path cache = gpu::default_cache_folder();
   checks.push_back(
       {"kernel cache", true, cache.empty() ? "off: neither XDG_CACHE_HOME nor HOME is set" : cache.string()});
