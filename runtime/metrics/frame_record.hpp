@@ -16,6 +16,15 @@ struct WorkCounts {
   std::uint64_t bytes = 0;            // bytes moved by transfers and updates
 
   bool operator==(const WorkCounts&) const = default;
+  WorkCounts& operator+=(const WorkCounts& other) {
+    rays += other.rays;
+    samples += other.samples;
+    skip_steps += other.skip_steps;
+    shading_fetches += other.shading_fetches;
+    texels += other.texels;
+    bytes += other.bytes;
+    return *this;
+  }
 };
 
 /// What happened at one vsync. One record travels from prediction to report; metrics are pure functions of

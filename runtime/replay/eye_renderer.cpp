@@ -35,14 +35,6 @@ CastKernels session_kernels(const Session& session, const SceneOnDevice& scene,
   return compose_cast_kernels(parts, scene.volume);
 }
 
-WorkCounts sum(WorkCounts a, const WorkCounts& b) {
-  a.rays += b.rays;
-  a.samples += b.samples;
-  a.skip_steps += b.skip_steps;
-  a.shading_fetches += b.shading_fetches;
-  return a;
-}
-
 /// Of every renderer of a watched run: what one of them finds, the others survive.
 std::uint64_t guard_bytes(const Session& session) {
   return session.run.watchdog == WatchdogLevel::full ? watchdog_guard_bytes : 0;
@@ -243,10 +235,10 @@ JobOutcome EyeRenderer::render_by_steps(const Pose& world_from_head, const EyePa
     }
     const EyeCastOutcome done = cast_eye_by_steps(eye, world_from_head, into[static_cast<std::size_t>(eye)]);
     outcome.device_time += SimDuration(done.time_ns);
-    outcome.work = sum(outcome.work, done.counted);
+    outcome.work += done.counted;
   }
   ++frame_;
-  if (counting_ == Counting::on) outcome.work = sum(outcome.work, pipeline_.counted(device_));
+  if (counting_ == Counting::on) outcome.work += pipeline_.counted(device_);
   return outcome;
 }
 
@@ -296,7 +288,7 @@ JobOutcome EyeRenderer::render_cells(const Pose& world_from_head, const EyePair&
   }
   JobOutcome outcome{.cells = cells_};
   for (const CellOutcome& cell : cells_) {
-    outcome.work = sum(outcome.work, cell.work);
+    outcome.work += cell.work;
     outcome.device_time += cell.device_time;
   }
   return outcome;

@@ -136,8 +136,9 @@ void add_fill_facts(const Session& session, const PanelDisplay& display, Series&
   const double pixels = static_cast<double>(display.work().texels) * static_cast<double>(display.images());
   series.facts.push_back(
       {session.pipeline.at("warp").stage.id(),
-       fmt::format("{:.3f} % of the panels' pixels filled behind edges, {:.3f} % beyond the eye frame",
+       fmt::format("{:.3f} % of the panels' pixels {}, {:.3f} % beyond the eye frame",
                    100.0 * static_cast<double>(counts.filled) / pixels,
+                   display.counts_work() ? "look behind what stopped a ray" : "filled behind edges",
                    100.0 * static_cast<double>(counts.uncovered) / pixels)});
 }
 

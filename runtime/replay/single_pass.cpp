@@ -174,6 +174,10 @@ gpu::Buffer layer_buffer(const gpu::Device& device, const RayGrid& grid, const P
   return {device, "novel view layers", bytes, gpu::Memory::device};
 }
 
+NovelView::Folders folders_of(const SinglePass::Inputs& in) {
+  return {in.data_folder / "glsl", in.data_folder / "kernels" / "warp_layers"};
+}
+
 const Session& checked(const Session& session) {
   require_stages(session);
   return session;
@@ -181,7 +185,7 @@ const Session& checked(const Session& session) {
 
 }  // namespace
 
-ByNovelView::ByNovelView(const Inputs& in, const CastKernels& kernels)
+ByNovelView::ByNovelView(const Inputs& in, const CastKernels& kernels, const CastKernels& plain)
     : device_(in.device),
       headset_(in.headset),
       scene_(in.scene),
@@ -190,56 +194,66 @@ ByNovelView::ByNovelView(const Inputs& in, const CastKernels& kernels)
       pipeline_(in.device, kernels),
       rays_(in.device, grid_.across, grid_.down),
       layers_(layer_buffer(in.device, grid_, in.session.pipeline.at("stereo"))),
-      view_(in.device, in.session.pipeline.at("stereo"),
-            {in.data_folder / "glsl", in.data_folder / "kernels" / "warp_layers"}),
+      view_(in.device, in.session.pipeline.at("stereo"), folders_of(in), false, true),
+      holes_(in.device, plain, in.headset.eye.width_px, in.headset.eye.height_px, folders_of(in)),
       box_{in.placement.world_from_volume,
            box_size_with_longest_edge(in.scene.volume.info(), in.placement.size_m)},
       commands_(in.device, "stereo by novel view") {}
 
+void ByNovelView::record_left(const EyeTarget& left) {
+  const CastPipeline::Resources resources{scene_.volume, scene_.transfer, rays_, left, bindings_};
+  const CastArea all{0, 0, grid_.across, grid_.down};
+  commands_.barrier();
+  commands_.begin_timing("cast");
+  pipeline_.record_opening(commands_, resources, all);
+  commands_.barrier();
+  pipeline_.record_cast(commands_, resources, all);
+  commands_.barrier();
+  pipeline_.record_closing(commands_, resources, {0, 0, left.width_px, left.height_px});
+  commands_.barrier();
+  commands_.end_timing();
+}
+
 std::optional<JobOutcome> ByNovelView::render(const Pose& world_from_head, const EyePair& into) {
   const EyeViews eyes = views_of(headset_, world_from_head);
   ++frames_;
-  const EyeTarget& left = into[0];
+  const EyeTarget &left = into[0], &right = into[1];
   CastPipeline::set_eye(device_, left, eyes.left, placement_, scene_.volume, scene_.transfer, grid_);
+  CastPipeline::set_eye(device_, right, eyes.right, placement_, scene_.volume, scene_.transfer,
+                        holes_.grid());
   const auto skip = scene_.skip_bindings();
   bindings_.assign(skip.begin(), skip.end());
   bindings_.push_back(layers_binding(layers_));
-  const CastPipeline::Resources resources{scene_.volume, scene_.transfer, rays_, left, bindings_};
   pipeline_.reset_counters(device_);
+  holes_.reset_counters();
   commands_.reset();
-  const auto step = [&](const char* name, const auto& record) {
-    commands_.begin_timing(name);
-    record();
-    commands_.barrier();
-    commands_.end_timing();
-  };
-  const CastArea all{0, 0, grid_.across, grid_.down};
-  commands_.barrier();
-  step("opening", [&] { pipeline_.record_opening(commands_, resources, all); });
-  step("cast", [&] { pipeline_.record_cast(commands_, resources, all); });
-  step("closing", [&] {
-    pipeline_.record_closing(commands_, resources, {0, 0, left.width_px, left.height_px});
-  });
-  step("stereo", [&] { view_.record(commands_, {layers_, eyes.left, grid_}, eyes.right, into[1], box_); });
+  record_left(left);
+  commands_.begin_timing("stereo");
+  view_.record(commands_, {layers_, eyes.left, grid_}, eyes.right, right, box_, &holes_.holes());
+  holes_.record(commands_, {scene_.volume, scene_.transfer, rays_, right, bindings_, {}, holes_.grid()});
+  commands_.end_timing();
   JobOutcome outcome;
   for (const gpu::Timing& timing : gpu::submit_and_wait(commands_))
     outcome.device_time += SimDuration(timing.device_ns);
+  const WorkCounts fresh = holes_.counted();
   outcome.work = pipeline_.counted(device_);
+  outcome.work += fresh;
   outcome.work.texels = view_.counted().segments;
-  pixels_ += static_cast<std::int64_t>(view_.counted().uncovered);
+  fresh_rays_ += static_cast<std::int64_t>(fresh.rays);
   view_.reset_counters();
   return outcome;
 }
 
 std::string ByNovelView::note() const {
-  if (pixels_ == 0) return "";
-  return fmt::format("{:.1f} pixels per frame of the right eye look beyond what the left eye's rays met",
-                     static_cast<double>(pixels_) / static_cast<double>(frames_));
+  return fmt::format(
+      "{:.1f} pixels per frame of the right eye got a ray of their own: no left ray knew what is there",
+      static_cast<double>(fresh_rays_) / static_cast<double>(std::max<std::int64_t>(frames_, 1)));
 }
 
 std::unique_ptr<SinglePass> make_single_pass(const SinglePass::Inputs& in,
                                              const std::function<CastKernels(bool)>& cast_kernels) {
-  if (is_by_novel_view(in.session)) return std::make_unique<ByNovelView>(in, cast_kernels(true));
+  if (is_by_novel_view(in.session))
+    return std::make_unique<ByNovelView>(in, cast_kernels(true), cast_kernels(false));
   const StereoPlan plan =
       plan_single_pass(in.device, in.session, in.headset, in.scene.volume.info(), in.placement);
   return std::make_unique<ByLayers>(in, plan, cast_kernels(!plan.layers_left_out));

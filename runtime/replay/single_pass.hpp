@@ -11,6 +11,7 @@
 #include "runtime/replay/headset.hpp"
 #include "runtime/replay/scene.hpp"
 #include "runtime/stereo/stereo_layers.hpp"
+#include "runtime/warp_layers/hole_rays.hpp"
 #include "runtime/warp_layers/novel_view.hpp"
 
 namespace brace {
@@ -76,14 +77,16 @@ class ByLayers final : public SinglePass {
 /// stereo/novel_view: by layers of emission and absorption along the left eye's rays (runtime/warp_layers).
 class ByNovelView final : public SinglePass {
  public:
-  /// `kernels`: the session's with its stereo stage's snippet. Throws input_error as plan_single_pass does,
-  /// and for layers that the device cannot hold.
-  ByNovelView(const Inputs& inputs, const CastKernels& kernels);
+  /// `kernels`: the session's with its stereo stage's snippet; `plain`: without. Throws input_error as
+  /// plan_single_pass does, and for layers that the device cannot hold.
+  ByNovelView(const Inputs& inputs, const CastKernels& kernels, const CastKernels& plain);
 
   std::optional<JobOutcome> render(const Pose& world_from_head, const EyePair& into) override;
   std::string note() const override;
 
  private:
+  void record_left(const EyeTarget& left);
+
   const gpu::Device& device_;
   const Headset& headset_;
   const SceneOnDevice& scene_;
@@ -93,10 +96,11 @@ class ByNovelView final : public SinglePass {
   RayBuffers rays_;
   gpu::Buffer layers_;
   NovelView view_;
+  HoleRays holes_;
   NovelView::Box box_;
   std::vector<gpu::Binding> bindings_;
   gpu::CommandList commands_;
-  std::int64_t frames_ = 0, pixels_ = 0;
+  std::int64_t frames_ = 0, fresh_rays_ = 0;
 };
 
 /// What of a session's work is done in single pass; `cast_kernels(true)` composes its stereo stage's snippet

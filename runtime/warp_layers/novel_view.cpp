@@ -16,10 +16,10 @@ namespace {
 
 /// brace/layers.glsl and novel_view.comp have the same.
 constexpr std::uint32_t kLayersSlot = 32, kLayerRaysSlot = 33, kParamsSlot = 0, kImageSlot = 1,
-                        kCountersSlot = 2, kDepthSlot = 3;
+                        kCountersSlot = 2, kDepthSlot = 3, kHolesSlot = 4;
 
 gpu::ComputePipeline novel_view_pipeline(const gpu::Device& device, const PipelineStage& stage,
-                                         const NovelView::Folders& folders, bool by_ray) {
+                                         const NovelView::Folders& folders, bool by_ray, bool marks_holes) {
   const std::array<const PipelineStage*, 1> stages = {&stage};
   StageGlsl glsl = stage_glsl(stages);
   gpu::KernelDescription kernel;
@@ -29,6 +29,7 @@ gpu::ComputePipeline novel_view_pipeline(const gpu::Device& device, const Pipeli
   kernel.defines.emplace_back("BRACE_LAYERS_COUNT", stage.stage.family + "_layers");
   kernel.defines.emplace_back("BRACE_LAYERS_STEPS", stage.stage.family + "_steps");
   if (by_ray) kernel.defines.emplace_back("BRACE_LAYERS_BY_RAY", "1");
+  if (marks_holes) kernel.defines.emplace_back("BRACE_NOVEL_HOLES", "1");
   return gpu::make_pipeline(device, kernel);
 }
 
@@ -99,16 +100,16 @@ LayerSource layer_source(const EyeTarget& target, const EyeView& eye) {
 }
 
 NovelView::NovelView(const gpu::Device& device, const PipelineStage& stage, const Folders& folders,
-                     bool by_ray)
+                     bool by_ray, bool marks_holes)
     : device_(device),
-      pipeline_(novel_view_pipeline(device, stage, folders, by_ray)),
+      pipeline_(novel_view_pipeline(device, stage, folders, by_ray, marks_holes)),
       params_(device, "novel view parameters", sizeof(BraceNovelViewParams), gpu::Memory::upload),
       counters_(device, "novel view counters", 3 * sizeof(std::uint32_t), gpu::Memory::readback) {
   reset_counters();
 }
 
 void NovelView::record(gpu::CommandList& commands, const LayerSource& from, const EyeView& eye,
-                       const EyeTarget& into, const Box& box) {
+                       const EyeTarget& into, const Box& box, const gpu::Buffer* holes) {
   const BraceNovelViewParams params = params_of(from, eye, box);
   gpu::upload_values<BraceNovelViewParams>(device_, params_, std::span(&params, 1));
   commands.barrier();
@@ -116,6 +117,7 @@ void NovelView::record(gpu::CommandList& commands, const LayerSource& from, cons
                                         gpu::bind(kDepthSlot, into.depth),
                                         gpu::bind(kCountersSlot, counters_), layers_binding(from.layers)};
   if (from.ray_of_pixel != nullptr) bindings.push_back(gpu::bind(kLayerRaysSlot, *from.ray_of_pixel));
+  if (holes != nullptr) bindings.push_back(gpu::bind(kHolesSlot, *holes));
   const auto groups = [](int px) { return static_cast<std::uint32_t>((px + 7) / 8); };
   commands.dispatch(pipeline_, bindings, {}, {groups(eye.width_px), groups(eye.height_px), 1});
   commands.barrier();

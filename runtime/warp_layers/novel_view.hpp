@@ -45,7 +45,7 @@ class NovelView {
   /// `stage`: with the parameters of warp/volumetric or stereo/novel_view.
   /// `by_ray`: its sources have tables from pixels to rays.
   NovelView(const gpu::Device& device, const PipelineStage& stage, const Folders& folders,
-            bool by_ray = false);
+            bool by_ray = false, bool marks_holes = false);
 
   /// The volume's box.
   struct Box {
@@ -54,8 +54,9 @@ class NovelView {
   };
   /// Records what an eye sees, image and depth, after a barrier and with one behind. One picture at a time:
   /// what was recorded before must be done, it reads the same parameters.
+  /// `holes`: with marks_holes, a uint per pixel, 1 where what it shows is not known to the end.
   void record(gpu::CommandList& commands, const LayerSource& from, const EyeView& eye, const EyeTarget& into,
-              const Box& box);
+              const Box& box, const gpu::Buffer* holes = nullptr);
 
   /// Since the last reset; after the work is done.
   struct Counts {

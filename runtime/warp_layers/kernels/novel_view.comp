@@ -13,7 +13,12 @@ layout(std430, set = 0, binding = 0) readonly buffer NovelViewBlock { BraceNovel
 layout(std430, set = 0, binding = 1) writeonly buffer NovelImage { uint novel_image[]; };
 // Metres from the new eye to the first visible segment's begin, or infinity.
 layout(std430, set = 0, binding = 3) writeonly buffer NovelDepth { float novel_depth_m[]; };
-// Segments walked; pixels with some beyond the old picture; pixels with some behind a ray that was stopped.
+#if defined(BRACE_NOVEL_HOLES)
+// Per pixel: 1 where what it shows is not known to the end.
+layout(std430, set = 0, binding = 4) writeonly buffer NovelHoles { uint novel_holes[]; };
+#endif
+// Segments walked; pixels with some beyond the old picture; pixels with some behind a ray that was stopped (what `behind`
+// extends there, or what is missing).
 layout(std430, set = 0, binding = 2) buffer NovelCounters { uint walked, uncovered, filled; };
 
 #if defined(BRACE_LAYERS_BY_RAY)
@@ -24,6 +29,7 @@ uint ray_of(uint pixel) { return pixel; }
 #endif
 
 #define OLD_NEAR_M 1e-4      // nothing is asked of the old picture nearer to its eye's plane
+#define HOLE_LEFT 0.02       // an unknown part that is seen through less does not matter
 #define STOPPED_DEPTH 5.64   // a ray this deep (opacity 0.98, in powers of two) was stopped, not through
 
 vec3 origin, direction;  // of the new ray in the old eye frame, direction of length 1
@@ -73,14 +79,14 @@ bool layer_on(Stretch on, uint pixel, int m, inout float before, inout vec4 sum,
   before += layer.depth;
   float end_m = layer.end_m;
   float depth = layer.depth;
-#if defined(BRACE_WARP_BEHIND_EXTEND) || defined(BRACE_STEREO_BEHIND_EXTEND)
   if (before >= STOPPED_DEPTH && on.high > end_m) {
+    if (on.low >= end_m) behind = true;
+#if defined(BRACE_WARP_BEHIND_EXTEND) || defined(BRACE_STEREO_BEHIND_EXTEND)
     // As dense as the layer was on the average: the picture of an old eye has nothing else to tell.
     depth *= (on.high - layer.begin_m) / (end_m - layer.begin_m);
-    if (on.low >= end_m) behind = true;
     end_m = on.high;
-  }
 #endif
+  }
   const float overlap = min(on.high, end_m) - max(on.low, layer.begin_m);
   if (overlap <= 0.0) return true;
   const float here = min(depth * (overlap / (end_m - layer.begin_m)) * on.path_per_m, 1e6) * weight;
@@ -107,7 +113,10 @@ void take(inout Walk walk, vec2 pixel, Stretch on) {
   float before = 0.0;
   for (int m = 0; m < BRACE_LAYERS_COUNT; ++m) {
     vec4 sum = vec4(0.0);
-    if (!layer_on(on, index, m, before, sum, 1.0, walk.filled)) break;
+    bool behind = false;
+    const bool more = layer_on(on, index, m, before, sum, 1.0, behind);
+    walk.filled = walk.filled || behind && walk.left > HOLE_LEFT;
+    if (!more) break;
     composite(walk, sum);
   }
 }
@@ -124,8 +133,10 @@ void take(inout Walk walk, vec2 pixel, Stretch on) {
   bvec4 more = greaterThan(weights, vec4(1e-3));
   for (int m = 0; m < BRACE_LAYERS_COUNT && any(more); ++m) {
     vec4 sum = vec4(0.0);
+    bool behind = false;
     [[unroll]] for (int i = 0; i < 4; ++i)
-      if (more[i]) more[i] = layer_on(on, rays[i], m, before[i], sum, weights[i], walk.filled);
+      if (more[i]) more[i] = layer_on(on, rays[i], m, before[i], sum, weights[i], behind);
+    walk.filled = walk.filled || behind && walk.left > HOLE_LEFT;
     composite(walk, sum);
   }
 }
@@ -203,6 +214,10 @@ void main() {
   const float opacity = clamp(1.0 - walk.left, 0.0, 1.0);
   novel_image[pixel.y * view.grid.x + pixel.x] =
       packUnorm4x8(vec4(clamp(walk.colour, vec3(0.0), vec3(opacity)), opacity));
+#if defined(BRACE_NOVEL_HOLES)
+  const bool hole = (walk.uncovered || walk.filled) && walk.left > HOLE_LEFT;
+  novel_holes[pixel.y * view.grid.x + pixel.x] = hole ? 1u : 0u;
+#endif
   novel_depth_m[pixel.y * view.grid.x + pixel.x] = walk.first_m;
   atomicAdd(walked, segments);
   if (walk.uncovered) atomicAdd(uncovered, 1u);
