@@ -36,7 +36,7 @@ struct CastParts {
   bool counters = false;                     // count rays, samples, skip steps and shading fetches
   /// Native stages stand in their place: no kernels are composed, and the pipeline must not record them.
   bool native_rays = false, native_cast = false;
-  bool layers_by_ray = false;                // closing tells which ray's layers stand for a pixel
+  bool layers_by_ray = false;  // closing tells which ray's layers stand for a pixel
 };
 
 /// Kernels whose place native stages take have an empty text.

@@ -50,7 +50,8 @@ TEST(CliDevice, DoctorFindsADeviceHere) {
   const Outcome outcome = Workplace().brace({"doctor", "--json"});
   EXPECT_EQ(outcome.exit_code, 0) << outcome.out;
   EXPECT_THAT(outcome.out, HasSubstr("\"ok\": true"));
-  EXPECT_THAT(outcome.out, testing::ContainsRegex("pipeline.cast = ..(dvr|native).. on this .*; dvr [0-9.]+ ms"));
+  EXPECT_THAT(outcome.out,
+              testing::ContainsRegex("pipeline.cast = ..(dvr|native).. on this .*; dvr [0-9.]+ ms"));
 }
 
 TEST(CliData, AMissingDataFolderIsNamed) {
