@@ -157,6 +157,19 @@ TEST_F(Stereo, NovelViewIsRefusedByNameWhereItsLayersCannotBeMade) {
   }
 }
 
+TEST_F(Stereo, WhatOnlyTheRightEyeSeesGetsRaysOfItsOwn) {
+  const std::vector<std::string> box = {"scene.volume=generator:solid_box:24",
+                                        "scene.transfer_function=ct-bone", "scene.position=front:0.45",
+                                        "device.resolution_scale=0.15"};
+  ASSERT_EQ(run("two", box).exit_code, 0);
+  std::vector<std::string> once = box;
+  once.push_back("pipeline.stereo=novel_view");
+  ASSERT_EQ(run("one", once).exit_code, 0);
+  EXPECT_THAT(place_.read("one/report.html"), HasSubstr("a ray of their own"));
+  const double apart = mean_difference(picture("two", "left"), picture("two", "right"));
+  EXPECT_LT(mean_difference(picture("two", "right"), picture("one", "right")), 0.1 * apart);
+}
+
 TEST_F(Stereo, NovelViewWorksWithWarpsThatReadDepth) {
   ASSERT_EQ(run("two", {"pipeline.warp=grid"}).exit_code, 0);
   ASSERT_EQ(run("one", {"pipeline.warp=grid", "pipeline.stereo=novel_view"}).exit_code, 0);
