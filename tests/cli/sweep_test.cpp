@@ -1,6 +1,10 @@
 // `brace sweep`: the same results however it is run, failures recorded, on from where it was.
+#include <chrono>
+#include <cstdlib>
 #include <filesystem>
+#include <random>
 
+#include <fmt/core.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -50,6 +54,34 @@ TEST_F(CliSweep, AFailedPointIsRecordedAndTriedAgainOnRequestOnly) {
   place_.write("later.nrrd", "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 2 2 2\nencoding: raw\n\n@ABCDEFG");
   EXPECT_EQ(sweep(text).exit_code, 1) << "not run again by itself";
   EXPECT_EQ(sweep(text, {"--retry-failed"}).exit_code, 0);
+}
+
+int number_from(const char* variable, int fallback) {
+  const char* text = std::getenv(variable);
+  return text == nullptr ? fallback : std::atoi(text);
+}
+
+/// BRACE_SWEEP_POINTS and BRACE_SWEEP_KILLS make it long: 200 and 10 are the claim.
+TEST_F(CliSweep, KilledAgainAndAgainItEndsLikeAnUndisturbedOne) {
+  const int points = number_from("BRACE_SWEEP_POINTS", 8), kills = number_from("BRACE_SWEEP_KILLS", 3);
+  std::string text = "session = \"base.toml\"\n[grid]\nrun.seed = [1";
+  for (int seed = 2; seed <= points; ++seed)
+    text += fmt::format(", {}", seed);
+  text += "]\n";
+  const auto begin = std::chrono::steady_clock::now();
+  ASSERT_EQ(sweep(text, {"--out", "whole"}).exit_code, 0);
+  const double whole_s = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+  std::mt19937 random(7);
+  int killed = 0;
+  for (int i = 0; i < kills; ++i) {
+    const double after_s = whole_s * (0.2 + static_cast<double>(random() >> 8) * 0x1p-24) / (kills + 1);
+    const Outcome outcome = place_.command({"/usr/bin/timeout", "-s", "KILL", fmt::format("{:.3f}", after_s),
+                                            BRACE_PROGRAM, "sweep", "sweep.toml", "--out", "killed"});
+    killed += outcome.exit_code != 0;
+  }
+  EXPECT_GT(killed, 0);
+  ASSERT_EQ(sweep(text, {"--out", "killed"}).exit_code, 0);
+  EXPECT_EQ(place_.read("killed/results.csv"), place_.read("whole/results.csv"));
 }
 
 TEST_F(CliSweep, BadSweepsNameFileAndPointBeforeAnythingRuns) {
