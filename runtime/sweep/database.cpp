@@ -6,10 +6,18 @@
 
 namespace brace {
 
+namespace {
+constexpr int busy_wait_ms = 60'000;
+}
+
 Database::Database(std::filesystem::path file) : file_(std::move(file)) {
   const int code =
       sqlite3_open_v2(file_.c_str(), &handle_, SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE, nullptr);
-  if (code == SQLITE_OK) return;
+  if (code == SQLITE_OK) {
+    // Whoever looks at the results while a sweep goes on holds them for a moment.
+    sqlite3_busy_timeout(handle_, busy_wait_ms);
+    return;
+  }
   const std::string reason = sqlite3_errstr(code);
   sqlite3_close(handle_);
   throw input_error("{}: {}; choose a folder you may write to with --out", file_.string(), reason);
@@ -23,6 +31,9 @@ void Database::fail(int code) const {
   const std::string reason = sqlite3_errmsg(handle_);
   if ((code & 0xff) == SQLITE_FULL || (code & 0xff) == SQLITE_IOERR)
     throw device_error("{}: {}; free some space or choose another folder with --out", file_.string(), reason);
+  if ((code & 0xff) == SQLITE_BUSY)
+    throw device_error("{}: another program holds it; once it has let go, the same command goes on",
+                       file_.string());
   throw input_error("{}: {}; accepted: the results of a sweep of this version, or a new folder with --out",
                     file_.string(), reason);
 }

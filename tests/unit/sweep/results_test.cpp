@@ -1,13 +1,16 @@
 #include "runtime/sweep/results.hpp"
 
 #include <algorithm>
+#include <chrono>
 #include <fstream>
 #include <iterator>
+#include <thread>
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
 #include "base/error.hpp"
+#include "runtime/sweep/database.hpp"
 
 namespace brace {
 namespace {
@@ -51,6 +54,18 @@ class Results : public testing::Test {
   SweepFile sweep_;
   std::vector<PlannedPoint> points_;
 };
+
+TEST_F(Results, WaitForWhoeverLooksAtThem) {
+  Database ours(folder_ / "shared.sqlite"), theirs(folder_ / "shared.sqlite");
+  ours.execute("create table t (a)");
+  theirs.execute("begin exclusive");
+  std::thread lets_go([&] {
+    std::this_thread::sleep_for(std::chrono::milliseconds(100));
+    theirs.execute("commit");
+  });
+  EXPECT_NO_THROW(ours.execute("insert into t values (1)"));
+  lets_go.join();
+}
 
 TEST_F(Results, GoOnWhereTheyWere) {
   {
