@@ -89,8 +89,15 @@ TEST_F(CliPlan, WhatIsAskedForIsKeptOrLeftOut) {
 }
 
 TEST_F(CliPlan, WithoutALensDistortionIsIdleUnlessKept) {
-  EXPECT_EQ(verdicts({"--set", "device.lens=none"})["distortion"], "idle");
-  EXPECT_EQ(verdicts({"--set", "device.lens=none", "--keep", "distortion"})["distortion"], "kept");
+  // Nothing else to try.
+  std::vector<std::string> plain = {"--set", "device.lens=none"};
+  for (const char* item : {"shading", "preintegration", "early_termination", "skip", "warp"}) {
+    plain.push_back("--leave-out");
+    plain.push_back(item);
+  }
+  EXPECT_EQ(verdicts(plain)["distortion"], "idle");
+  plain.insert(plain.end(), {"--keep", "distortion"});
+  EXPECT_EQ(verdicts(plain)["distortion"], "kept");
 }
 
 TEST_F(CliPlan, TheCheckTellsBothWaysInOneReport) {
