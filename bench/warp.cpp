@@ -48,7 +48,7 @@ std::vector<Variant> variants() {
                    {{"sampling", "uniform"}}});
   for (const double layers : {2.0, 8.0})
     all.push_back({fmt::format("volumetric, {:g} layers", layers), "volumetric", {{"layers", layers}}});
-  all.push_back({"volumetric, linear", "volumetric", {}, {{"filter", "linear"}}});
+  all.push_back({"volumetric, nearest", "volumetric", {}, {{"filter", "nearest"}}});
   all.push_back({"volumetric, equal", "volumetric", {}, {{"layering", "equal"}}});
   return all;
 }
