@@ -8,7 +8,7 @@ namespace brace {
 
 namespace {
 
-constexpr std::uint32_t kHolesSlot = 34;  // holes.comp has the same
+constexpr std::uint32_t kMarkedSlot = 34;  // holes.comp has the same
 
 gpu::ComputePipeline holes_pipeline(const gpu::Device& device, const NovelView::Folders& folders, bool mask) {
   gpu::KernelDescription kernel;
@@ -42,7 +42,7 @@ void HoleRays::record(gpu::CommandList& commands, const CastPipeline::Resources&
                                gpu::bind(CastSlot::result_depth, resources.rays.depths_m),
                                gpu::bind(CastSlot::eye_image, resources.target.image),
                                gpu::bind(CastSlot::eye_depth, resources.target.depth),
-                               gpu::bind(kHolesSlot, holes_)};
+                               gpu::bind(kMarkedSlot, holes_)};
   const auto run = [&](const gpu::ComputePipeline& pipeline) {
     const auto groups = [](int px) { return static_cast<std::uint32_t>((px + 7) / 8); };
     commands.dispatch(pipeline, bindings, std::as_bytes(std::span(&area, 1)),
