@@ -1,7 +1,7 @@
 #include <fmt/format.h>
 
 #include "base/error.hpp"
-#include "runtime/compare/compare_runs.hpp"
+#include "runtime/compare/compare_sweeps.hpp"
 #include "tools/command.hpp"
 
 namespace brace {
@@ -28,10 +28,10 @@ void print_figure(const FigureComparison& figure) {
       verdict_name(figure.verdict));
 }
 
-void print_series(const SeriesComparison& series, const CompareCommand& command) {
+void print_series(const SeriesComparison& series, const char* unit, const CompareCommand& command) {
   const RecordsComparison& records = series.records;
   if (!series.label.empty()) fmt::print("{}\n", series.label);
-  fmt::print("  {} vsyncs in both; only in A: {}, only in B: {}\n", records.vsyncs_paired,
+  fmt::print("  {} {} in both; only in A: {}, only in B: {}\n", records.vsyncs_paired, unit,
              records.vsyncs_only_a, records.vsyncs_only_b);
   fmt::print("  {:<24}{:>12}{:>12}{:>12}  {:<24}{:>10}  verdict\n", "figure (mean or p99)", "A", "B", "B - A",
              fmt::format("{:g} % interval", 100.0 * command.confidence), "tolerance");
@@ -48,7 +48,7 @@ void print_comparison(const RunsComparison& comparison, const CompareCommand& co
   for (const Difference& one : comparison.differences)
     fmt::print("   {}: {} in A, {} in B\n", one.name, one.a, one.b);
   for (const SeriesComparison& one : comparison.series)
-    print_series(one, command);
+    print_series(one, comparison.unit, command);
   for (const std::string& label : comparison.labels_only_a)
     fmt::print("{}: not compared: only A has this series\n", label);
   for (const std::string& label : comparison.labels_only_b)
@@ -63,7 +63,9 @@ void print_comparison(const RunsComparison& comparison, const CompareCommand& co
 
 int compare_command(const CompareCommand& command) {
   const CompareOptions options = options_of(command);
-  const RunsComparison comparison = compare_runs(command.a, command.b, options);
+  const RunsComparison comparison = is_sweep(command.a) || is_sweep(command.b)
+                                        ? compare_sweeps(command.a, command.b, options)
+                                        : compare_runs(command.a, command.b, options);
   if (command.json) {
     fmt::print("{}\n", comparison_json(comparison, command.a, command.b, options));
   } else {

@@ -79,9 +79,10 @@ void add_plan(CLI::App& app, PlanCommand& command, Action& action) {
 }
 
 void add_compare(CLI::App& app, CompareCommand& command, Action& action) {
-  CLI::App* compare = app.add_subcommand("compare", "Is run B worse than run A? Exit code 1 if so");
-  compare->add_option("a", command.a, "Run directory to compare with: the baseline")->required();
-  compare->add_option("b", command.b, "Run directory under test")->required();
+  CLI::App* compare = app.add_subcommand("compare", "Is run or sweep B worse than A? Exit code 1 if so");
+  compare->add_option("a", command.a, "Run directory, or sweep folder, to compare with: the baseline")
+      ->required();
+  compare->add_option("b", command.b, "Run directory, or sweep folder, under test")->required();
   compare
       ->add_option("--tolerance", command.tolerances,
                    "FIGURE=VALUE: how much worse it may be, in its own unit or as a share (5%); repeatable")

@@ -131,14 +131,6 @@ PairedValues values_of(const Figure& figure, const std::vector<Pair>& pairs) {
   return values;
 }
 
-Verdict verdict_of(const PairedDifference& pairs, double tolerance, bool deterministic) {
-  if (std::abs(pairs.difference) <= tolerance) return Verdict::same;
-  const bool worse = pairs.difference > 0;
-  const bool certain = worse ? pairs.lower > tolerance : pairs.upper < -tolerance;
-  if (!deterministic && !certain) return Verdict::unclear;
-  return worse ? Verdict::worse : Verdict::better;
-}
-
 FigureComparison compare_statistic(const Figure& figure, const char* name, Statistic statistic,
                                    const PairedValues& values, bool deterministic,
                                    const CompareOptions& options) {
@@ -162,6 +154,14 @@ void require_not_asked_for(const Figure& figure, const CompareOptions& options) 
 }
 
 }  // namespace
+
+Verdict verdict_of(const PairedDifference& pairs, double tolerance, bool deterministic) {
+  if (std::abs(pairs.difference) <= tolerance) return Verdict::same;
+  const bool worse = pairs.difference > 0;
+  const bool certain = worse ? pairs.lower > tolerance : pairs.upper < -tolerance;
+  if (!deterministic && !certain) return Verdict::unclear;
+  return worse ? Verdict::worse : Verdict::better;
+}
 
 const char* verdict_name(Verdict verdict) {
   switch (verdict) {

@@ -53,6 +53,9 @@ struct RecordsComparison {
 RecordsComparison compare_records(std::span<const FrameRecord> a, std::span<const FrameRecord> b,
                                   bool deterministic, const CompareOptions& options);
 
+/// Worse or better beyond the tolerance; where costs were measured only if the whole interval is.
+Verdict verdict_of(const PairedDifference& pairs, double tolerance, bool deterministic);
+
 /// Throws input_error, beginning with `who`, unless there is such a figure; statistic "" is any.
 void require_compared_figure(const std::string& who, const std::string& figure, const std::string& statistic);
 

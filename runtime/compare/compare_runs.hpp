@@ -20,7 +20,8 @@ struct SeriesComparison {
 };
 
 struct RunsComparison {
-  bool deterministic = false;  // both are
+  const char* unit = "vsyncs";  // what is compared one by one: those, or a sweep's "points"
+  bool deterministic = false;   // both are
   std::vector<Difference> differences;
   std::vector<SeriesComparison> series;
   std::vector<std::string> labels_only_a, labels_only_b;

@@ -56,6 +56,26 @@ TEST_F(CliSweep, AFailedPointIsRecordedAndTriedAgainOnRequestOnly) {
   EXPECT_EQ(sweep(text, {"--retry-failed"}).exit_code, 0);
 }
 
+TEST_F(CliSweep, TwoSweepsAreComparedPointByPoint) {
+  ASSERT_EQ(sweep(sizes, {"--out", "a"}).exit_code, 0);
+  ASSERT_EQ(sweep(sizes + "[set]\nclock.cost_scale = 40.0\n", {"--out", "b"}).exit_code, 0);
+  const Outcome same = place_.brace({"compare", "a", "a", "--json"});
+  EXPECT_EQ(same.exit_code, 0) << same.err;
+  const auto json = nlohmann::json::parse(same.out);
+  EXPECT_EQ(json["unit"], "points");
+  EXPECT_EQ(json["series"][0]["vsyncs_paired"], 4);
+  EXPECT_GE(json["series"][0]["figures"].size(), 5U);
+  const Outcome worse = place_.brace({"compare", "a", "b"});
+  EXPECT_EQ(worse.exit_code, 1) << worse.out;
+  EXPECT_THAT(worse.out, HasSubstr("4 points in both"));
+  EXPECT_EQ(place_.brace({"compare", "b", "a"}).exit_code, 0) << "better is not worse";
+  ASSERT_EQ(sweep("session = \"base.toml\"\n[grid]\nrun.seed = [1]\n", {"--out", "c"}).exit_code, 0);
+  EXPECT_THAT(place_.brace({"compare", "a", "c"}).err, HasSubstr("vary other keys"));
+  const Outcome none = place_.brace({"compare", "a", "nowhere"});
+  EXPECT_EQ(none.exit_code, 2);
+  EXPECT_THAT(none.err, HasSubstr("nowhere"));
+}
+
 int number_from(const char* variable, int fallback) {
   const char* text = std::getenv(variable);
   return text == nullptr ? fallback : std::atoi(text);
