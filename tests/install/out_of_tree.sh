@@ -3,6 +3,7 @@
 # prefix, and makes, builds, checks and runs stages of both forms from there.
 set -euo pipefail
 cmake=$1 build=$2 cc=$3
+source=$(cd "$(dirname "$0")/../.." && pwd)
 work=$(mktemp -d)
 trap 'rm -rf "$work"' EXIT
 unset BRACE_DATA_DIR BRACE_PLUGIN_PATH CFLAGS CXXFLAGS LDFLAGS
@@ -93,4 +94,11 @@ expect_exit 1 "$brace" check-stage broken/broken.so
 has stdout "[FAIL] broken/broken.so: loads"
 expect_exit 2 "$brace" new-stage schedule my_schedule
 has stderr "--glsl cast"
+echo "- examples/regression_test as a project of its own"
+cp -r "$source/examples/regression_test" regression
+expect_exit 0 "$cmake" -S regression -B regression/build -DCMAKE_PREFIX_PATH="$prefix"
+expect_exit 0 "$(dirname "$cmake")/ctest" --test-dir regression/build
+sed -i 's/cost = "model:gtx-1080"/&\ncost_scale = 40.0/' regression/session.toml
+expect_exit 8 "$(dirname "$cmake")/ctest" --test-dir regression/build
+has stdout "not_worse (Failed)"
 echo done
