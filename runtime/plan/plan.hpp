@@ -10,12 +10,13 @@
 
 namespace brace {
 
-/// Where doing without shows, each measured by `brace bench plan` (docs/planning.md).
+/// Where doing without shows (docs/planning.md). `brace bench plan` measures all but scan_out_px, which
+/// decides nothing yet.
 struct PlanThresholds {
   double warp_px = 0.25;         // added by doing without to how far a picture is off, p95
   double scan_out_px = 1.0;      // p95 of how far the head turns while a rolling panel is lit
-  double picture_dssim = 0.002;  // of pictures with and without
-  double measured_share = 0.03;  // savings below are noise where costs are measured
+  double picture_dssim = 0.002;  // added by doing without: about what a quarter of a pixel's offset makes
+  double measured_share = 0.16;  // of a frame: savings below are noise where costs are measured
 };
 
 enum class PlanVerdict {
@@ -31,7 +32,7 @@ struct PlanLine {
   std::string item;
   std::string stage;  // what it is in this session: "skip/distance_map"
   PlanVerdict verdict = PlanVerdict::absent;
-  std::string figure;  // what decides: "without it the picture is off by 3.1 px (p95), limit 0.25"
+  std::string figure;               // what decides: "the picture is off by 3.1 px (p95) without it, …"
   std::optional<double> saving_ms;  // per frame, of doing without in the plan's own pipeline; < 0: it pays
 };
 
