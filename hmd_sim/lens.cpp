@@ -26,6 +26,14 @@ Polynomial even_polynomial(const Coefficients& k) {
   return {1.0, 0.0, k[0], 0.0, k[1], 0.0, k[2]};
 }
 
+/// Of the hyperbola r L0 / (1 - b r / r_max) that leaves 0 with the model's slope L0 and ends where it ends:
+/// a straight line would start a model that grows towards a pole far from every root.
+double first_guess(double scale_0, double source_radius, double r_max, double source_max) {
+  if (!(source_max > 0.0) || !(scale_0 > 0.0)) return 0.0;
+  const double b = 1.0 - r_max * scale_0 / source_max;
+  return std::min(r_max, source_radius / (scale_0 + b * source_radius / r_max));
+}
+
 }  // namespace
 
 std::string_view to_string(LensKind kind) {
@@ -104,7 +112,10 @@ double fold_over_radius(LensKind kind, const Coefficients& k, double r_max) {
     case LensKind::vive: {
       // d(r/S + k3 r)/dr = (S - r S' + k3 S^2) / S^2, up to the pole S = 0.
       const Polynomial series = even_polynomial(k);
-      const double pole = first_nonpositive(series, r_max);
+      double pole = first_nonpositive(series, r_max);
+      // On the pole or a rounding past it r L(r) is no large positive number but none, or a negative one.
+      while (pole > 0.0 && !(even_series(k, pole) > 0.0))
+        pole = std::nextafter(pole, 0.0);
       const Polynomial slope =
           sum(sum(series, scaled(times_x(derivative(series)), -1.0)), scaled(product(series, series), k[3]));
       return first_nonpositive(slope, pole);
@@ -129,14 +140,16 @@ std::optional<double> lens_inverse(LensKind kind, const Coefficients& k, double 
     return std::nullopt;
   }
   double low = 0.0, high = usable_radius;
-  double r = source_max > 0.0 ? usable_radius * (source_radius / source_max) : 0.0;
+  double r = first_guess(lens_scale(kind, k, 0.0), source_radius, usable_radius, source_max);
   constexpr int iterations_max = 100;  // bisection alone ends within 64
   for (int i = 0; i < iterations_max; ++i) {
     if (iterations != nullptr) *iterations = i + 1;
     const double scale = lens_scale(kind, k, r);
     const double residual = r * scale - source_radius;
     const double slope = scale + r * lens_scale_derivative(kind, k, r);
-    const double step = residual / slope;
+    double step = residual / slope;
+    // Towards a pole the reciprocal is nearly straight, and its Newton step does not shoot past the root.
+    if (kind == LensKind::vive && residual < 0.0 && r > 0.0) step *= r * scale / source_radius;
     // Step convergence first: at the root the rounding of the residual may put the next point outside the
     // bracket, and a bracket test first would then bisect for ever.
     if (std::abs(step) <= 1e-15 * (1.0 + r)) return std::clamp(r - step, 0.0, usable_radius);

@@ -59,7 +59,7 @@ class Claims {
 class Largest {
  public:
   void see(double value) {
-    if (!(value <= value_)) value_ = value;
+    if (value_ <= value_ && !(value <= value_)) value_ = value;
   }
   double value() const { return value_; }
 

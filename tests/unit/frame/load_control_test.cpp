@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include "hmd_sim/random.hpp"
+#include "runtime/verify/load_loop.hpp"
 
 namespace brace::stages {
 namespace {
@@ -60,47 +61,27 @@ TEST(LoadControl, TheCheckAgreesWithTheLoopItself) {
   EXPECT_GT(grown, 30);
 }
 
-struct Loop {
-  double over_share = 0;
-  int longest_run = 0;
-  double quality = 1;
-};
-
-/// Frames whose cost is load(k) times the quality asked `delay` frames ago, with 5 % of noise.
-Loop drive(const std::function<double(const FrameLoad&)>& update, const std::function<double(int)>& load,
-           int frames, std::size_t delay) {
-  std::deque<double> asked(delay + 1, 1.0);
-  Loop loop;
-  int over = 0, run = 0;
-  for (int k = 0; k < frames; ++k) {
+/// The loop of the load given, with 5 % of noise.
+LoadLoop drive(const std::function<double(const FrameLoad&)>& update, const std::function<double(int)>& load,
+               int frames, std::size_t delay) {
+  const auto noisy = [&](int k) {
     const double noise =
         sim::near_normal(sim::random_bits(sim::stream_of(7, 0), static_cast<std::uint64_t>(k)));
-    const double cost = load(k) * asked.back() * std::exp(0.05 * noise);
-    run = cost > 1.0 ? run + 1 : 0;
-    over += cost > 1.0;
-    loop.longest_run = std::max(loop.longest_run, run);
-    loop.quality = update({cost, cost > 1.0});
-    asked.push_front(loop.quality);
-    asked.pop_back();
-  }
-  loop.over_share = static_cast<double>(over) / frames;
-  return loop;
-}
-
-double tenfold_step(int frame) {
-  return frame < 1000 ? 0.5 : frame < 2000 ? 5.0 : 0.5;
+    return load(k) * std::exp(0.05 * noise);
+  };
+  return drive_load(update, noisy, frames, delay);
 }
 
 TEST(LoadControl, PiFindsTheTargetAfterALoadStepAndDoesNotWindUp) {
   PiControl control({.target = 0.85, .p = 0.1, .i = 0.3, .quality_min = 0.05});
   const auto update = [&](const FrameLoad& load) { return control.update(load); };
-  const Loop high = drive(
+  const LoadLoop high = drive(
       update, [](int) { return 5.0; }, 500, 1);
   EXPECT_NEAR(high.quality * 5.0, 0.85, 0.1);
   // A load that no quality bears, for long; then back: nothing has piled up.
   (void)drive(
       update, [](int) { return 1e6; }, 5000, 1);
-  const Loop back = drive(
+  const LoadLoop back = drive(
       update, [](int) { return 0.5; }, 20, 1);
   EXPECT_EQ(back.quality, 1.0);
 }
@@ -110,25 +91,27 @@ TEST(LoadControl, QuantileHoldsItsShareAndItsGuarantee) {
     QuantileControl control(
         {.missed_share = 0.01, .step = 0.1, .quality_min = 0.05, .proportional_cut = proportional});
     const auto update = [&](const FrameLoad& load) { return control.update(load); };
-    const Loop steps = drive(update, tenfold_step, 3000, 1);
+    const LoadLoop steps = drive(update, tenfold_load_step, 3000, 1);
     const double range = -std::log(0.05);
-    EXPECT_LE(steps.over_share, 0.01 + 0.99 * (range + 0.1) / (0.1 * 3000)) << proportional;
+    EXPECT_LE(steps.missed_share, 0.01 + 0.99 * (range + 0.1) / (0.1 * 3000)) << proportional;
     if (proportional) {
       EXPECT_LE(steps.longest_run, 4);
     }
-    const Loop steady = drive(
+    const LoadLoop steady = drive(
         update, [](int) { return 2.0; }, 20'000, 1);
-    EXPECT_LT(steady.over_share, 0.015) << proportional;
-    EXPECT_GT(steady.over_share, 0.004) << "neither is quality given away";
+    EXPECT_LT(steady.missed_share, 0.015) << proportional;
+    EXPECT_GT(steady.missed_share, 0.004) << "neither is quality given away";
   }
 }
 
 TEST(LoadControl, PiMissesMoreThanQuantileOnAStep) {
   PiControl pi({.target = 1.0, .p = 0.0, .i = 0.3, .quality_min = 0.05});
   QuantileControl quantile({});
-  const Loop a = drive([&](const FrameLoad& load) { return pi.update(load); }, tenfold_step, 3000, 1);
-  const Loop b = drive([&](const FrameLoad& load) { return quantile.update(load); }, tenfold_step, 3000, 1);
-  EXPECT_GT(a.over_share, b.over_share);
+  const LoadLoop a =
+      drive([&](const FrameLoad& load) { return pi.update(load); }, tenfold_load_step, 3000, 1);
+  const LoadLoop b =
+      drive([&](const FrameLoad& load) { return quantile.update(load); }, tenfold_load_step, 3000, 1);
+  EXPECT_GT(a.missed_share, b.missed_share);
 }
 
 TEST(LoadControl, WindowFollowsChangesOfTheLoadAndRestsBetweenItsThresholds) {
@@ -139,11 +122,11 @@ TEST(LoadControl, WindowFollowsChangesOfTheLoadAndRestsBetweenItsThresholds) {
                 .quality,
             1.0);
   // Once the load has grown tenfold, it is soon within the budget, and then finds the thresholds.
-  const Loop grown = drive(
+  const LoadLoop grown = drive(
       update, [](int frame) { return frame < 100 ? 0.5 : 5.0; }, 120, 1);
   EXPECT_LT(grown.quality * 5.0, 1.0);
   EXPECT_LT(grown.longest_run, 10);
-  const Loop rested = drive(
+  const LoadLoop rested = drive(
       update, [](int) { return 5.0; }, 600, 1);
   EXPECT_NEAR(rested.quality * 5.0, 0.82, 0.15);
   // A start under overload is a change as well.

@@ -62,6 +62,19 @@ TEST(Lens, FoldOverIsWhereTheMapTurnsBack) {
   EXPECT_NEAR(fold_over_radius(LensKind::panotools, {1 - e, -1.0, 1.0 / 3.0}, 5.0), 1.0 - 1e-5, 1e-7);
 }
 
+TEST(Lens, HasAnInverseUpToAPole) {
+  for (int i = 1; i <= 100; ++i) {
+    const K k{-0.05 * i, -0.01 * (i % 7), -0.003 * (i % 5), 0.02};
+    const double usable = fold_over_radius(LensKind::vive, k, 10.0);
+    ASSERT_GT(lens_forward(LensKind::vive, k, usable), 1e6) << "the pole is there, and not passed";
+    for (const double source : {1e-6, 0.5, 1e3}) {
+      const auto r = lens_inverse(LensKind::vive, k, source, usable);
+      ASSERT_TRUE(r) << i;
+      EXPECT_NEAR(lens_forward(LensKind::vive, k, *r) / source, 1.0, 1e-9) << i;
+    }
+  }
+}
+
 TEST(Lens, InverseNeverReturnsAWrongBranch) {
   const K k{-1.0};
   const double fold = fold_over_radius(LensKind::brown_conrady, k, 10.0);
