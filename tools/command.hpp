@@ -62,6 +62,8 @@ struct LiveCommand {
   bool keep_scale = false;
   std::string gpu;
   std::vector<std::string> plugin_path;
+  std::string window_screenshot;   // PNG of the last window, overlay and all; "": none
+  std::string pace = "simulated";  // simulated | window | free: whose vsyncs pictures wait for
 };
 int live_command(const LiveCommand& command);
 

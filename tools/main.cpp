@@ -121,7 +121,8 @@ void add_live(CLI::App& app, LiveCommand& command, Action& action) {
   CLI::App* live = app.add_subcommand("live", "The simulated headset in a window, on the trace or by hand");
   live->add_option("session", command.session, "Session file (TOML)")->required();
   live->add_option("--set", command.set, "KEY=VALUE: override a key of the session");
-  live->add_option("--rate", command.rate_hz, "Pictures per second that the resolution is chosen for")
+  live->add_option("--rate", command.rate_hz,
+                   "Vsyncs per second, and pictures that the resolution is chosen for")
       ->check(CLI::Range(1.0, 1000.0))
       ->capture_default_str();
   live->add_flag("--keep-scale", command.keep_scale,
@@ -129,12 +130,19 @@ void add_live(CLI::App& app, LiveCommand& command, Action& action) {
   live->add_option("--frames", command.frames, "End after this many pictures (default: until closed)")
       ->check(CLI::Range(std::int64_t{1}, std::int64_t{1} << 40));
   live->add_option("--screenshot", command.screenshot, "PNG of both eyes to write at the end");
+  live->add_option("--screenshot-window", command.window_screenshot,
+                   "PNG of the window to write at the end, overlay and all");
+  live->add_option("--pace", command.pace,
+                   "What pictures wait for: vsyncs at --rate, those of the window's display, or nothing")
+      ->check(CLI::IsMember({"simulated", "window", "free"}))
+      ->capture_default_str();
   live->add_option("--record", command.record, "Trace of the head to write at the end (without it: key R)");
   add_gpu_option(*live, command.gpu);
   add_plugin_path_option(*live, command.plugin_path);
   live->footer(
       "Keys: drag with the mouse to look, WASD or arrows to move, Q and E down and up, T back to the trace,\n"
-      "R record (live.trace), P picture (live-FRAME.png), Esc ends. Saved stages are compiled and swapped "
+      "R record (live.trace), P pictures (live-FRAME.png and -window.png), H hides the overlay, Esc ends. "
+      "Saved stages are compiled and swapped "
       "in.\n\n"
       "Example:\n  brace live examples/demo.toml\n"
       "  xvfb-run brace live examples/demo.toml --frames 60 --screenshot eyes.png");

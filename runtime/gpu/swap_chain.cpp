@@ -41,14 +41,22 @@ VkSurfaceFormatKHR choose_format(const DeviceContext& context, VkSurfaceKHR surf
 }  // namespace
 
 struct SwapChain::State {
-  explicit State(const Device& made_for) : device(made_for), context(made_for.context()) {}
+  State(const Device& made_for, MakeSurface make_surface_of_window)
+      : device(made_for), context(made_for.context()), make_of_window(std::move(make_surface_of_window)) {}
   ~State();
 
   void make(VkExtent2D extent, const VkSurfaceCapabilitiesKHR& capabilities);
   void drop_images();
+  void drop_surface();
+  /// Throws device_error when the window has no surface, or the device cannot show anything on it.
+  void make_surface();
+  /// False, and what the result is about dropped, when the window has changed; throws device_error for
+  /// errors.
+  bool still_there(VkResult result, const char* what);
 
   const Device& device;
   DeviceContext& context;
+  MakeSurface make_of_window;
   VkSurfaceKHR surface = nullptr;
   VkSurfaceFormatKHR format{};
   VkSwapchainKHR chain = nullptr;
@@ -57,22 +65,59 @@ struct SwapChain::State {
   VkCommandPool pool = nullptr;
   VkCommandBuffer commands = nullptr;
   VkFence acquired = nullptr, done = nullptr;
+  std::uint32_t loaded = 0;  // the image that load() has filled
   Buffer pixels;
 };
 
 SwapChain::State::~State() {
   if (context.device) context.vk.vkDeviceWaitIdle(context.device);
-  drop_images();
+  drop_surface();
   context.vk.vkDestroyFence(context.device, acquired, nullptr);
   context.vk.vkDestroyFence(context.device, done, nullptr);
   context.vk.vkDestroyCommandPool(context.device, pool, nullptr);
-  if (surface) vkDestroySurfaceKHR(context.instance->handle, surface, nullptr);
 }
 
 void SwapChain::State::drop_images() {
   if (chain) context.vk.vkDestroySwapchainKHR(context.device, chain, nullptr);
   chain = nullptr;
   images.clear();
+}
+
+void SwapChain::State::drop_surface() {
+  drop_images();
+  if (surface) vkDestroySurfaceKHR(context.instance->handle, surface, nullptr);
+  surface = nullptr;
+}
+
+void SwapChain::State::make_surface() {
+  surface = make_of_window(context.instance->handle);
+  if (!surface) throw device_error("the window has no Vulkan surface; `brace run` needs no window");
+  VkBool32 presents = VK_FALSE;
+  vkGetPhysicalDeviceSurfaceSupportKHR(context.physical, context.queue_family, surface, &presents);
+  if (!presents) {
+    throw device_error(
+        "{} cannot show pictures in a window of this display; accepted: another device (--gpu), a virtual "
+        "display of 24 bits (xvfb-run -s '-screen 0 1280x1024x24' brace live ..., from the package xvfb: "
+        "Xvfb), "
+        "or `brace run`, which needs no window",
+        context.info.name);
+  }
+  format = choose_format(context, surface);
+}
+
+bool SwapChain::State::still_there(VkResult result, const char* what) {
+  if (result == VK_ERROR_OUT_OF_DATE_KHR) {
+    context.vk.vkDeviceWaitIdle(context.device);
+    drop_images();
+    return false;
+  }
+  if (result == VK_ERROR_SURFACE_LOST_KHR) {
+    context.vk.vkDeviceWaitIdle(context.device);
+    drop_surface();
+    return false;
+  }
+  check_vk(result, context, what);
+  return true;
 }
 
 void SwapChain::State::make(VkExtent2D new_extent, const VkSurfaceCapabilitiesKHR& capabilities) {
@@ -107,20 +152,12 @@ void SwapChain::State::make(VkExtent2D new_extent, const VkSurfaceCapabilitiesKH
 }
 
 SwapChain::SwapChain(const Device& device, const MakeSurface& make_surface)
-    : state_(std::make_unique<State>(device)) {
+    : state_(std::make_unique<State>(device, make_surface)) {
   State& state = *state_;
   DeviceContext& context = state.context;
   const VolkDeviceTable& vk = context.vk;
   BRACE_CHECK(vk.vkCreateSwapchainKHR != nullptr);
-  state.surface = make_surface(context.instance->handle);
-  if (!state.surface) throw device_error("the window has no Vulkan surface; `brace run` needs no window");
-  VkBool32 presents = VK_FALSE;
-  vkGetPhysicalDeviceSurfaceSupportKHR(context.physical, context.queue_family, state.surface, &presents);
-  if (!presents) {
-    throw device_error("{} cannot show pictures in a window; choose another with --gpu, or use `brace run`",
-                       context.info.name);
-  }
-  state.format = choose_format(context, state.surface);
+  state.make_surface();
   VkCommandPoolCreateInfo pool{VK_STRUCTURE_TYPE_COMMAND_POOL_CREATE_INFO};
   pool.queueFamilyIndex = context.queue_family;
   check_vk(vk.vkCreateCommandPool(context.device, &pool, nullptr, &state.pool), context,
@@ -140,9 +177,12 @@ SwapChain::~SwapChain() = default;
 
 SwapChain::Size SwapChain::fit(int window_width_px, int window_height_px) {
   State& state = *state_;
+  if (!state.surface) state.make_surface();
   VkSurfaceCapabilitiesKHR capabilities{};
-  check_vk(vkGetPhysicalDeviceSurfaceCapabilitiesKHR(state.context.physical, state.surface, &capabilities),
-           state.context, "look at the window");
+  if (!state.still_there(
+          vkGetPhysicalDeviceSurfaceCapabilitiesKHR(state.context.physical, state.surface, &capabilities),
+          "look at the window"))
+    return {};
   VkExtent2D extent = capabilities.currentExtent;
   if (extent.width == 0xffffffffu) {  // the surface takes what it is given
     extent.width = std::clamp(static_cast<std::uint32_t>(std::max(window_width_px, 0)),
@@ -156,56 +196,58 @@ SwapChain::Size SwapChain::fit(int window_width_px, int window_height_px) {
   return {static_cast<int>(extent.width), static_cast<int>(extent.height)};
 }
 
-bool SwapChain::show(const ImageRgba8& picture) {
+bool SwapChain::load(const ImageRgba8& picture) {
   State& state = *state_;
   DeviceContext& context = state.context;
   const VolkDeviceTable& vk = context.vk;
   BRACE_CHECK(state.chain && picture.width_px == static_cast<int>(state.extent.width) &&
               picture.height_px == static_cast<int>(state.extent.height));
   const std::span<Rgba8> pixels = state.pixels.mapped_as<Rgba8>();
-  const bool swap = state.format.format == VK_FORMAT_B8G8R8A8_UNORM;
-  std::transform(picture.pixels.begin(), picture.pixels.end(), pixels.begin(), [swap](Rgba8 p) {
-    return swap ? Rgba8{p.b, p.g, p.r, p.a} : p;
-  });
-
-  std::uint32_t index = 0;
-  check_vk(vk.vkResetFences(context.device, 1, &state.acquired), context, "reset the window's fence");
-  const VkResult acquired =
-      vk.vkAcquireNextImageKHR(context.device, state.chain, UINT64_MAX, nullptr, state.acquired, &index);
-  if (acquired == VK_ERROR_OUT_OF_DATE_KHR) {
-    state.drop_images();
-    return false;
+  if (state.format.format == VK_FORMAT_B8G8R8A8_UNORM) {
+    std::transform(picture.pixels.begin(), picture.pixels.end(), pixels.begin(), [](Rgba8 p) {
+      return Rgba8{p.b, p.g, p.r, p.a};
+    });
+  } else {
+    std::copy(picture.pixels.begin(), picture.pixels.end(), pixels.begin());
   }
-  check_vk(acquired, context, "take a picture of the window");
+
+  check_vk(vk.vkResetFences(context.device, 1, &state.acquired), context, "reset the window's fence");
+  const VkResult acquired = vk.vkAcquireNextImageKHR(context.device, state.chain, UINT64_MAX, nullptr,
+                                                     state.acquired, &state.loaded);
+  if (!state.still_there(acquired, "take a picture of the window")) return false;
   check_vk(vk.vkWaitForFences(context.device, 1, &state.acquired, VK_TRUE, UINT64_MAX), context,
            "wait for a picture of the window");
 
+  const VkImage image = state.images[state.loaded];
   check_vk(vk.vkResetCommandPool(context.device, state.pool, 0), context, "reset the window's commands");
   VkCommandBufferBeginInfo begin{VK_STRUCTURE_TYPE_COMMAND_BUFFER_BEGIN_INFO};
   begin.flags = VK_COMMAND_BUFFER_USAGE_ONE_TIME_SUBMIT_BIT;
   check_vk(vk.vkBeginCommandBuffer(state.commands, &begin), context, "record the window's commands");
-  move_image(context, state.commands, state.images[index], VK_IMAGE_LAYOUT_UNDEFINED,
-             VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
+  move_image(context, state.commands, image, VK_IMAGE_LAYOUT_UNDEFINED, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL);
   VkBufferImageCopy region{};
   region.imageSubresource = {VK_IMAGE_ASPECT_COLOR_BIT, 0, 0, 1};
   region.imageExtent = {state.extent.width, state.extent.height, 1};
-  vk.vkCmdCopyBufferToImage(state.commands, state.pixels.handle(), state.images[index],
+  vk.vkCmdCopyBufferToImage(state.commands, state.pixels.handle(), image,
                             VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL, 1, &region);
-  move_image(context, state.commands, state.images[index], VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
+  move_image(context, state.commands, image, VK_IMAGE_LAYOUT_TRANSFER_DST_OPTIMAL,
              VK_IMAGE_LAYOUT_PRESENT_SRC_KHR);
   check_vk(vk.vkEndCommandBuffer(state.commands), context, "record the window's commands");
   submit_commands(context, state.commands, state.done, "the window's picture");
+  return true;
+}
 
+bool SwapChain::present() {
+  State& state = *state_;
+  DeviceContext& context = state.context;
+  BRACE_CHECK(state.chain != nullptr);
   VkPresentInfoKHR present{VK_STRUCTURE_TYPE_PRESENT_INFO_KHR};
   present.swapchainCount = 1;
   present.pSwapchains = &state.chain;
-  present.pImageIndices = &index;
-  const VkResult shown = vk.vkQueuePresentKHR(context.queue, &present);
-  if (shown == VK_ERROR_OUT_OF_DATE_KHR || shown == VK_SUBOPTIMAL_KHR) {
-    state.drop_images();
-    return shown == VK_SUBOPTIMAL_KHR;
-  }
-  check_vk(shown, context, "show a picture in the window");
+  present.pImageIndices = &state.loaded;
+  const VkResult shown = context.vk.vkQueuePresentKHR(context.queue, &present);
+  if (shown != VK_SUBOPTIMAL_KHR) return state.still_there(shown, "show a picture in the window");
+  context.vk.vkDeviceWaitIdle(context.device);
+  state.drop_images();  // shown, but made for another size
   return true;
 }
 

@@ -15,8 +15,9 @@ namespace brace::gpu {
 /// Makes a window's surface for an instance; null on failure.
 using MakeSurface = std::function<VkSurfaceKHR_T*(VkInstance_T* instance)>;
 
-/// The pictures of a window. The device must have been made with DeviceOptions::window_extensions and must
-/// outlive it; so must the window.
+/// The pictures of a window. A swap-chain that is out of date, and a surface that is lost, are made anew by
+/// the next fit(). The device must have been made with DeviceOptions::window_extensions and must outlive it;
+/// so must the window.
 class SwapChain {
  public:
   /// Throws device_error when the device cannot show anything in this window.
@@ -31,9 +32,12 @@ class SwapChain {
   };
   Size fit(int window_width_px, int window_height_px);
 
-  /// Shows a picture of the size that fit() said last; waits for the display as the window system does. False
-  /// when the window has changed meanwhile: fit() and try again.
-  bool show(const ImageRgba8& picture);
+  /// Takes a picture of the size that fit() said last, once the window system has room for it. False when the
+  /// window has changed meanwhile: fit() and try again.
+  bool load(const ImageRgba8& picture);
+  /// Shows what load() took last, which was true; waits for the display as the window system does. False when
+  /// the window has changed meanwhile.
+  bool present();
 
  private:
   struct State;

@@ -296,13 +296,18 @@ JobOutcome EyeRenderer::render_cells(const Pose& world_from_head, const EyePair&
 
 JobOutcome EyeRenderer::render(const Pose& world_from_head, const EyePair& into, double quality) {
   if (single_pass_) {
-    if (const std::optional<JobOutcome> outcome = single_pass_->render(world_from_head, into))
+    if (const std::optional<JobOutcome> outcome = single_pass_->render(world_from_head, into)) {
+      step_times_ = {.cast = outcome->device_time};
       return *outcome;
+    }
   }
   if (mab_) mab_->set_quality(quality);
   if (counting_ == Counting::on) pipeline_.reset_counters(device_);
-  if (native_rays_ || native_cast_ || native_stereo_ || watchdog_ != nullptr)
-    return render_by_steps(world_from_head, into);
+  if (native_rays_ || native_cast_ || native_stereo_ || watchdog_ != nullptr) {
+    const JobOutcome outcome = render_by_steps(world_from_head, into);
+    step_times_ = {.cast = outcome.device_time};
+    return outcome;
+  }
   commands_.reset();
   for (const sim::Eye eye : sim::all_eyes) {
     const EyeTarget& target = into[static_cast<std::size_t>(eye)];
@@ -310,7 +315,11 @@ JobOutcome EyeRenderer::render(const Pose& world_from_head, const EyePair& into,
     pipeline_.record(commands_, resources_of(eye, target));
   }
   JobOutcome outcome;
-  outcome.device_time = SimDuration(total_ns(gpu::submit_and_wait(commands_)));
+  const std::vector<gpu::Timing>& timings = gpu::submit_and_wait(commands_);
+  outcome.device_time = SimDuration(total_ns(timings));
+  step_times_ = {SimDuration(gpu::device_ns(timings, "opening")),
+                 SimDuration(gpu::device_ns(timings, "cast")),
+                 SimDuration(gpu::device_ns(timings, "closing"))};
   if (counting_ == Counting::on) outcome.work = pipeline_.counted(device_);
   return outcome;
 }

@@ -49,6 +49,13 @@ class EyeRenderer {
   /// `quality`: the share of the rays that load control asks for; only rays/mab can cast fewer.
   JobOutcome render(const Pose& world_from_head, const EyePair& into, double quality = 1.0);
 
+  /// Device time of the last render(), both eyes. All of it is `cast` where its steps are not told apart:
+  /// native stages, a watchdog, one pass for both eyes.
+  struct StepTimes {
+    SimDuration opening{0}, cast{0}, closing{0};
+  };
+  const StepTimes& step_times() const { return step_times_; }
+
   /// The same in cells, a grid over each eye's rays, each cell on its own; valid until the next call. Kernels
   /// alone: see require_cells.
   JobOutcome render_cells(const Pose& world_from_head, const EyePair& into, double quality, int columns,
@@ -85,6 +92,7 @@ class EyeRenderer {
   RayBuffers own_rays_;             // empty with mab_
   std::vector<gpu::Binding> bindings_;
   std::vector<CellOutcome> cells_;  // of the last render_cells
+  StepTimes step_times_;
   gpu::CommandList commands_;
 
   // Empty where the pipeline's kernels do the work.

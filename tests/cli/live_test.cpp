@@ -8,6 +8,7 @@
 #include "base/image.hpp"
 #include "hmd_sim/trace_io.hpp"
 #include "tests/cli/command.hpp"
+#include "tools/live/window_picture.hpp"
 
 namespace brace {
 namespace {
@@ -89,6 +90,39 @@ TEST_F(Live, ShowsTheEyesThatTheReplayShows) {
   EXPECT_EQ(left, both.width_px);
 }
 
+int reddish_right_of(const ImageRgba8& picture, int left) {
+  int count = 0;
+  for (int y = 0; y < picture.height_px; ++y)
+    for (int x = left; x < picture.width_px; ++x)
+      count += picture.at(x, y).r > 180 && picture.at(x, y).g < 120 && picture.at(x, y).b < 120;
+  return count;
+}
+
+TEST_F(Live, ShowsTheOverlayInTheWindowAndNeverInTheEyes) {
+  write_session("still");
+  const auto show = [&](const char* name, const std::string& keys) {
+    place_.write("drive.sh", R"(
+"$1" live s.toml --keep-scale --frames 5000 --screenshot eyes-$2.png --screenshot-window window-$2.png >live.log 2>&1 &
+live=$!
+for i in $(seq 600); do
+  window=$(xdotool search --name ' fps' 2>/dev/null | head -1); [ -n "$window" ] && break; sleep 0.05
+done
+xdotool mousemove 300 300
+)" + keys + "\nsleep 0.5; xdotool key Escape; wait $live\n");
+    const Outcome outcome = place_.command({"/bin/bash", "drive.sh", BRACE_PROGRAM, name}, display_);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err << place_.read("live.log");
+  };
+  show("with", "");
+  show("without", "xdotool key h");
+  const ImageRgba8 with = read_png(place_ / "window-with.png"),
+                   without = read_png(place_ / "window-without.png");
+  ASSERT_EQ(with.width_px, without.width_px);
+  const Rgba8 background = with.at(with.width_px - 2, with.height_px - 2);
+  EXPECT_NE(background, (Rgba8{0, 0, 0, 255})) << "the column's";
+  EXPECT_EQ(without.at(with.width_px - 2, with.height_px - 2), (Rgba8{0, 0, 0, 255}));
+  EXPECT_EQ(read_png(place_ / "eyes-with.png").pixels, read_png(place_ / "eyes-without.png").pixels);
+}
+
 TEST_F(Live, RecordsATraceThatReplaysToTheSamePoses) {
   write_session("rotation");
   const Outcome live =
@@ -111,7 +145,7 @@ TEST_F(Live, FollowsMouseAndKeysReloadsStagesAndSaysWhatDoesNotCompile) {
   write_session("still");
   ASSERT_EQ(place_.brace({"new-stage", "cast", "mine", "--out", "mine"}).exit_code, 0);
   place_.write("drive.sh", R"(
-"$1" live s.toml --set pipeline.cast=mine --plugin-path mine --keep-scale --frames 2000 --screenshot eyes.png >live.log 2>&1 &
+"$1" live s.toml --set pipeline.cast=mine --plugin-path mine --keep-scale --rate 60 --frames 5000 --screenshot eyes.png >live.log 2>&1 &
 live=$!
 for i in $(seq 600); do
   window=$(xdotool search --name ' fps' 2>/dev/null | head -1); [ -n "$window" ] && break; sleep 0.1
@@ -125,7 +159,10 @@ xdotool key r; sleep 0.3
 cp mine/mine.glsl good
 echo 'no such thing' >>mine/mine.glsl
 for i in $(seq 300); do grep -q 'mine.glsl:' live.log && break; sleep 0.1; done
+xdotool key p
+for i in $(seq 100); do ls live-*-window.png 2>/dev/null && break; sleep 0.1; done
 sleep 1.1
+mv live-*-window.png broken.png
 cp good mine/mine.glsl
 for i in $(seq 300); do grep -q 'reloaded' live.log && break; sleep 0.1; done
 xdotool key Escape
@@ -137,6 +174,9 @@ wait $live
   EXPECT_THAT(log, HasSubstr("mine/mine.glsl:"));
   EXPECT_THAT(log, HasSubstr("live: reloaded"));
   EXPECT_TRUE(std::filesystem::exists(place_ / "eyes.png"));
+  const ImageRgba8 window = read_png(place_ / "broken.png");
+  EXPECT_GT(reddish_right_of(window, window.width_px - WindowLayout::column_width_px), 200)
+      << "the compiler's words";
   // Dragged to the right by 72 pixels: about 0.29 rad.
   const sim::PoseTrace trace = sim::read_trace(place_ / "live.trace").trace;
   const auto yaw = [](const Pose& pose) {

@@ -1,167 +1,236 @@
 // brace live: the simulated headset in a window.
 #include <algorithm>
 #include <chrono>
-#include <cmath>
+#include <thread>
 
 #include <fmt/core.h>
 
 #include "base/error.hpp"
-#include "hmd_sim/trace_io.hpp"
-#include "runtime/metrics/pacing.hpp"
+#include "runtime/replay/series_facts.hpp"
 #include "tools/command.hpp"
 #include "tools/interrupt.hpp"
 #include "tools/live/live_eyes.hpp"
+#include "tools/live/live_head.hpp"
+#include "tools/live/live_scale.hpp"
+#include "tools/live/overlay_figures.hpp"
+#include "tools/live/vsync_pace.hpp"
 #include "tools/live/window.hpp"
-#include "tools/live/window_picture.hpp"
 
 namespace brace {
 
 namespace {
 
-constexpr double probe_scale = 0.1;
-constexpr double scale_min = 0.03;
-constexpr int window_width_px = 960, window_height_px = 540;
+constexpr int window_width_px = 1200, window_height_px = 640;
 
-SimTime run_time(std::chrono::steady_clock::time_point begin) {
-  return SimTime(std::chrono::steady_clock::now() - begin);
-}
-
-/// Where the head is: on the session's trace, over and over, or where mouse and keys have put it.
-class LiveHead {
+/// Host time since the run's begin.
+class LiveClock {
  public:
-  explicit LiveHead(const Session& session, const std::filesystem::path& data_folder)
-      : trace_(load_head_trace(session.trace, data_folder).trace),
-        start_(trace_.begin_time() + from_s(session.trace.start_s)) {
-    if (start_ >= trace_.end_time()) start_ = trace_.begin_time();
-  }
-
-  Pose at(SimTime time) const {
-    if (by_hand_) return control_.pose();
-    const SimDuration length = trace_.end_time() - start_;
-    const SimDuration in = length > SimDuration(0) ? time.time_since_epoch() % length : SimDuration(0);
-    return trace_.at(start_ + in, sim::Interpolation::hermite);
-  }
-
-  /// Any motion by hand takes the head over; 'T' gives it back to the trace.
-  void steer(const LiveWindow& window, SimTime time, double seconds) {
-    const HeadInput& input = window.head();
-    const bool moved = input.turn_right_rad != 0 || input.turn_up_rad != 0 || input.right != 0 ||
-                       input.up != 0 || input.forward != 0;
-    if (moved && !by_hand_) {
-      control_.start_from(at(time));
-      by_hand_ = true;
+  SimTime now() const { return SimTime(std::chrono::steady_clock::now() - begin_); }
+  /// Sleeps, and for the last moment looks at the clock: a sleep alone ends a tenth of a millisecond late.
+  void wait_until(SimTime time) const {
+    const auto until = begin_ + time.time_since_epoch();
+    std::this_thread::sleep_until(until - std::chrono::microseconds(200));
+    while (std::chrono::steady_clock::now() < until) {
     }
-    if (by_hand_) control_.advance(input, seconds);
-    if (window.pressed('T')) by_hand_ = false;
-  }
-  bool by_hand() const { return by_hand_; }
-
- private:
-  sim::PoseTrace trace_;
-  SimTime start_;
-  HeadControl control_;
-  bool by_hand_ = false;
-};
-
-/// Records while asked to, and writes a trace when that ends.
-class Recorder {
- public:
-  explicit Recorder(std::filesystem::path file) : file_(std::move(file)), on_(!file_.empty()) {
-    if (file_.empty()) file_ = "live.trace";
-  }
-  void toggle() {
-    if (on_) write();
-    on_ = !on_;
-  }
-  void add(SimTime time, const Pose& pose) {
-    if (on_) poses_.add(time, pose);
-  }
-  bool on() const { return on_; }
-  void write() {
-    if (on_ && poses_.can_be_a_trace()) {
-      sim::write_trace(file_, poses_.trace(), sim::TraceFormat::brace);
-      fmt::print(stderr, "live: {} poses in {}\n", poses_.size(), file_.string());
-    }
-    poses_ = {};
   }
 
  private:
-  std::filesystem::path file_;
-  bool on_;
-  HeadRecording poses_;
+  std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
 };
 
-struct LiveFigures {
-  std::vector<double> interval_ms, cast_ms;
-};
-
-std::string title_of(const LiveEyes& eyes, const LiveFigures& figures, const Recorder& recorder,
-                     const LiveHead& head, const std::string& fault) {
-  const std::vector<double>& intervals = figures.interval_ms;
-  const std::size_t last = std::min<std::size_t>(intervals.size(), 30);
-  double sum = 0.0;
-  for (std::size_t i = intervals.size() - last; i < intervals.size(); ++i)
-    sum += intervals[i];
-  std::string title =
-      fmt::format("{} - {:.0f} fps, cast {:.1f} ms, {} x {} px per eye, {}", eyes.session().name,
-                  sum > 0.0 ? 1e3 * static_cast<double>(last) / sum : 0.0,
-                  figures.cast_ms.empty() ? 0.0 : figures.cast_ms.back(), eyes.headset().eye.width_px,
-                  eyes.headset().eye.height_px, head.by_hand() ? "by hand (T: trace)" : "trace");
-  if (recorder.on()) title += ", recording";
-  if (!fault.empty()) title += " - " + fault;
-  std::replace(title.begin(), title.end(), '\n', ' ');
-  return title;
+double ms_between(SimTime from, SimTime to) {
+  return to_s(to - from) * 1e3;
 }
 
-/// Host time of the slower one of two head poses, at a scale.
-double time_ms(const gpu::Device& device, const ReplayOptions& options, const LiveCommand& command,
-               const StageRegistry& stages, const LiveHead& head, double scale) {
-  Overrides overrides = parse_settings(command.set);
-  overrides.emplace_back("device.resolution_scale", fmt::format("{}", scale));
-  LiveEyes eyes(
-      device, options, [&] { return read_session(command.session, overrides, stages); }, head.at(SimTime()));
-  double slowest_ms = 0.0;
-  for (const SimTime time : {SimTime(), SimTime(from_s(2.0))}) {
-    const Pose pose = head.at(time);
-    double best_ms = 1e9;
-    for (int i = 0; i < 3; ++i) {
-      const auto begin = std::chrono::steady_clock::now();
-      (void)eyes.show(pose, pose);
-      (void)eyes.read();
-      best_ms = std::min(best_ms, to_s(SimDuration(std::chrono::steady_clock::now() - begin)) * 1e3);
-    }
-    slowest_ms = std::max(slowest_ms, best_ms);
+void print_figures(const FrameHistory& history, const LiveCommand& command) {
+  const FrameHistory::Totals totals = history.totals();
+  fmt::print("  pictures              {}, {} of them after the first second\n", history.pictures(),
+             totals.pictures);
+  if (totals.pictures == 0) return;
+  if (command.pace != "free") {
+    fmt::print("  missed vsyncs         {} of {} ({:.2f} %) at {:g} Hz\n", totals.missed,
+               totals.missed + totals.pictures, totals.missed_ratio() * 100.0, command.rate_hz);
   }
-  return slowest_ms;
-}
-
-/// A scale, at most the session's, at which this device holds the rate. Time falls slower than the pixels
-/// where a few of them take most of it, so it is measured anew at each step down.
-double scale_for_rate(const gpu::Device& device, const ReplayOptions& options, const LiveCommand& command,
-                      const StageRegistry& stages, const LiveHead& head) {
-  const double asked =
-      read_session(command.session, parse_settings(command.set), stages).device.resolution_scale;
-  const double budget_ms = 0.6e3 / command.rate_hz;  // the window takes time, too
-  double scale = std::min(probe_scale, asked);
-  double took_ms = time_ms(device, options, command, stages, head, scale);
-  if (took_ms < budget_ms) return std::min(scale * std::sqrt(budget_ms / took_ms), asked);
-  for (int step = 0; step < 5 && took_ms > budget_ms && scale > scale_min; ++step) {
-    scale = std::max(scale * std::min(std::sqrt(budget_ms / took_ms), 0.8), std::min(scale_min, asked));
-    took_ms = time_ms(device, options, command, stages, head, scale);
-  }
-  return scale;
-}
-
-void print_figures(const LiveFigures& figures, double rate_hz) {
-  if (figures.interval_ms.empty()) return;
-  const Distribution intervals = distribution_of(figures.interval_ms);
-  const auto late = std::count_if(figures.interval_ms.begin(), figures.interval_ms.end(),
-                                  [&](double ms) { return ms > 1.5e3 / rate_hz; });
-  fmt::print("  frames                {}, {} later than half a period at {:g} Hz\n",
-             figures.interval_ms.size() + 1, late, rate_hz);
+  const Distribution& intervals = totals.interval_ms;
   fmt::print("  interval              p50 {:.2f}  p95 {:.2f}  p99 {:.2f}  max {:.2f} ms\n", intervals.p50,
              intervals.p95, intervals.p99, intervals.max);
-  fmt::print("  cast                  p50 {:.2f} ms\n", distribution_of(figures.cast_ms).p50);
+  fmt::print("  cast                  p50 {:.2f}  p99 {:.2f} ms\n", totals.cast_ms.p50, totals.cast_ms.p99);
+}
+
+/// A live run: everything from the window's keys to the picture in it.
+class LiveRun {
+ public:
+  LiveRun(const LiveCommand& command, const gpu::Device& device, LiveWindow& window, Overlay& overlay,
+          LiveHead& head, LiveEyes& eyes)
+      : command_(command),
+        window_(window),
+        overlay_(overlay),
+        head_(head),
+        eyes_(eyes),
+        chain_(device, window.make_surface()),
+        recorder_(command.record),
+        pace_(rate_of_hz(command.rate_hz)) {
+    facts_.session = eyes.session().name;
+    facts_.device = device.info().name;
+    facts_.rate_hz = command.rate_hz;
+  }
+
+  void run() {
+    for (; !command_.frames || frame_ < *command_.frames; ++frame_) {
+      if (!window_.poll(overlay_on_ && overlay_.wants_mouse(), overlay_on_ && overlay_.wants_keys())) break;
+      if (interrupted()) break;
+      take_keys();
+      reload();
+      show_frame();
+      set_title();
+      if (window_.pressed('P')) write_pictures();
+    }
+    recorder_.write();
+    if (!command_.screenshot.empty() && panels_[0].width_px > 0)
+      write_png(command_.screenshot, side_by_side(panels_));
+    if (!command_.window_screenshot.empty() && picture_.width_px > 0)
+      write_png(command_.window_screenshot, picture_);
+    print_figures(history_, command_);
+  }
+
+ private:
+  void write_pictures() const {
+    write_png(fmt::format("live-{:06}.png", frame_), side_by_side(panels_));
+    if (picture_.width_px > 0) write_png(fmt::format("live-{:06}-window.png", frame_), picture_);
+  }
+
+  void take_keys() {
+    const SimTime now = clock_.now();
+    head_.steer(window_, now, to_s(now - steered_));
+    steered_ = now;
+    if (window_.pressed('R')) recorder_.toggle();
+    if (window_.pressed('H')) overlay_on_ = !overlay_on_;
+  }
+
+  void reload() {
+    if (clock_.now() - looked_ < from_s(0.2)) return;
+    looked_ = clock_.now();
+    const SimTime before = looked_;
+    const auto words = eyes_.reload_if_saved();
+    if (!words) return;
+    facts_.fault = *words;
+    if (!facts_.fault.empty()) overlay_on_ = true;
+    facts_.message = fmt::format("reloaded in {:.0f} ms", ms_between(before, clock_.now()));
+    fmt::print(stderr, "live: {}\n", facts_.fault.empty() ? facts_.message : facts_.fault);
+  }
+
+  void show_frame() {
+    LiveFrame frame;
+    const SimTime render_time = clock_.now();
+    const Pose render_pose = head_.at(render_time);
+    recorder_.add(render_time, render_pose);
+    SimTime warp_time{};
+    const LiveEyes::Times times = eyes_.show(render_pose, [&] {
+      warp_time = clock_.now();
+      return head_.at(warp_time);
+    });
+    frame.costs = {times.opening_ms, times.cast_ms, times.closing_ms, times.warp_ms};
+    frame.work = times.work;
+    const SimTime warped = clock_.now();
+    panels_ = eyes_.read();
+    const SimTime read = clock_.now();
+    const bool loaded = fill_window();
+    const SimTime filled = clock_.now();
+    frame.costs.read = ms_between(warped, read);
+    frame.costs.paint = ms_between(read, filled);
+    present(frame, loaded, filled);
+    const WarpPose warp_pose = warp_pose_of(eyes_.session().pipeline.at("warp"));
+    frame.mtp_rotation_ms = ms_between(warp_pose == WarpPose::none ? render_time : warp_time, frame.shown);
+    frame.mtp_translation_ms =
+        ms_between(warp_pose == WarpPose::rotation_and_translation ? warp_time : render_time, frame.shown);
+    frame.frame_age_ms = ms_between(render_time, frame.shown);
+    history_.add(frame);
+  }
+
+  /// False where the window has no pixels, or other ones than a moment ago.
+  bool fill_window() {
+    int width_px = 0, height_px = 0;
+    window_.size(width_px, height_px);
+    const gpu::SwapChain::Size size = chain_.fit(width_px, height_px);
+    if (size.width_px == 0) return false;
+    if (picture_.width_px != size.width_px || picture_.height_px != size.height_px)
+      picture_ = ImageRgba8(size.width_px, size.height_px);
+    const WindowLayout layout = lay_out(size.width_px, size.height_px, overlay_on_);
+    draw_fitted(side_by_side(panels_), layout.eyes, picture_);
+    if (overlay_on_) draw_overlay(layout);
+    return chain_.load(picture_);
+  }
+
+  void draw_overlay(const WindowLayout& layout) {
+    facts_.head = head_.by_hand() ? "by hand (T: trace)" : "trace";
+    facts_.eye_width_px = eyes_.headset().eye.width_px;
+    facts_.eye_height_px = eyes_.headset().eye.height_px;
+    facts_.recording = recorder_.on();
+    window_.feed_overlay();
+    const SimTime now = clock_.now();
+    overlay_.begin(picture_.width_px, picture_.height_px, to_s(now - overlaid_));
+    overlaid_ = now;
+    if (overlay_.begin_panel("column", layout.column)) figures_panel(overlay_, facts_, history_);
+    overlay_.end_panel();
+    timeline_panel(overlay_, facts_, history_, layout.strip);
+    overlay_.end(picture_);
+  }
+
+  void set_title() {
+    if (clock_.now() - titled_ < from_s(0.5)) return;
+    titled_ = clock_.now();
+    std::string title = fmt::format("brace live: {} - {:.0f} fps", facts_.session, history_.rate_hz());
+    if (recorder_.on()) title += ", recording";
+    if (!facts_.fault.empty()) title += " - " + facts_.fault;
+    std::replace(title.begin(), title.end(), '\n', ' ');
+    window_.set_title(title);
+  }
+
+  void present(LiveFrame& frame, bool loaded, SimTime ready) {
+    if (command_.pace == "simulated") {
+      const VsyncPace::Slot slot = pace_.take(ready);
+      clock_.wait_until(slot.vsync);
+      frame.missed = slot.missed;
+    }
+    const SimTime begin = clock_.now();
+    if (loaded) (void)chain_.present();
+    frame.shown = clock_.now();
+    frame.costs.present = ms_between(begin, frame.shown);
+    if (history_.empty()) return;
+    frame.interval_ms = ms_between(history_.recent().back().shown, frame.shown);
+    if (command_.pace == "window")
+      frame.missed = missed_in(frame.shown - history_.recent().back().shown, rate_of_hz(command_.rate_hz));
+  }
+
+  const LiveCommand& command_;
+  LiveWindow& window_;
+  Overlay& overlay_;
+  LiveHead& head_;
+  LiveEyes& eyes_;
+  gpu::SwapChain chain_;
+  Recorder recorder_;
+  VsyncPace pace_;
+  LiveClock clock_;
+  FrameHistory history_;
+  OverlayFacts facts_;
+  bool overlay_on_ = true;
+  SimTime steered_{}, looked_{}, overlaid_{}, titled_{};
+  std::int64_t frame_ = 0;
+  PanelPair panels_;
+  ImageRgba8 picture_;  // the window's
+};
+
+Session first_session(const LiveCommand& command, const Overrides& overrides, const StageRegistry& stages) {
+  Session session = read_session(command.session, overrides, stages);
+  if (!session.compare.empty())
+    throw input_error("{}: has a [compare] section; accepted by live: a session without one",
+                      command.session.string());
+  if (session.plan.mode == Session::Plan::Mode::automatic)
+    throw input_error(
+        "{}: plan.leave_out = 'auto' plans a run; accepted by live: idle, none, or the items that "
+        "`brace plan` names",
+        command.session.string());
+  return session;
 }
 
 }  // namespace
@@ -171,20 +240,13 @@ int live_command(const LiveCommand& command) {
   const Stages first_stages = make_stages(command.plugin_path);
   warn_of_broken(first_stages.plugins);
   Overrides overrides = parse_settings(command.set);
-  const Session session = read_session(command.session, overrides, first_stages.registry);
-  if (!session.compare.empty())
-    throw input_error("{}: has a [compare] section; accepted by live: a session without one",
-                      command.session.string());
-  if (session.plan.mode == Session::Plan::Mode::automatic)
-    throw input_error(
-        "{}: plan.leave_out = 'auto' plans a run; accepted by live: idle, none, or the items that "
-        "`brace plan` names",
-        command.session.string());
+  const Session session = first_session(command, overrides, first_stages.registry);
+  Overlay overlay;
   LiveWindow window(window_width_px, window_height_px, "brace live: " + session.name);
+  window.attach_overlay();
   const gpu::Device device({.select = command.gpu, .window_extensions = window.vulkan_extensions()});
   ReplayOptions options = replay_options(first_stages.registry, command.gpu);
   options.interrupted = {};  // the window's loop looks itself
-  gpu::SwapChain chain(device, window.make_surface());
   LiveHead head(session, options.data_folder);
   const Pose first_pose = head.at(SimTime());
   if (!command.keep_scale) {
@@ -197,43 +259,12 @@ int live_command(const LiveCommand& command) {
       device, options,
       [&] { return read_session(command.session, overrides, make_stages(command.plugin_path).registry); },
       first_pose);
-
-  Recorder recorder(command.record);
-  LiveFigures figures;
-  std::string fault;
-  const auto begin = std::chrono::steady_clock::now();
-  SimTime last = run_time(begin), looked = last;
-  PanelPair panels;
-  for (std::int64_t frame = 0; !command.frames || frame < *command.frames; ++frame) {
-    if (!window.poll() || interrupted()) break;
-    const SimTime now = run_time(begin);
-    head.steer(window, now, to_s(now - last));
-    if (window.pressed('R')) recorder.toggle();
-    if (now - looked > from_s(0.2)) {
-      looked = now;
-      if (const auto words = eyes.reload_if_saved()) {
-        fault = *words;
-        fmt::print(stderr, "live: {}\n", fault.empty() ? "reloaded" : fault);
-      }
-    }
-    const Pose render_pose = head.at(now);
-    recorder.add(now, render_pose);
-    figures.cast_ms.push_back(eyes.show(render_pose, head.at(run_time(begin))).cast_ms);
-    panels = eyes.read();
-    int width_px = 0, height_px = 0;
-    window.size(width_px, height_px);
-    const gpu::SwapChain::Size size = chain.fit(width_px, height_px);
-    if (size.width_px > 0) (void)chain.show(fitted(side_by_side(panels), size.width_px, size.height_px));
-    const SimTime shown = run_time(begin);
-    if (frame > 0) figures.interval_ms.push_back(to_s(shown - last) * 1e3);
-    last = shown;
-    if (frame % 15 == 0) window.set_title(title_of(eyes, figures, recorder, head, fault));
-    if (window.pressed('P')) write_png(fmt::format("live-{:06}.png", frame), side_by_side(panels));
+  {
+    LiveRun run(command, device, window, overlay, head, eyes);
+    run.run();
   }
-  recorder.write();
-  if (!command.screenshot.empty() && panels[0].width_px > 0)
-    write_png(command.screenshot, side_by_side(panels));
-  print_figures(figures, command.rate_hz);
+  if (!device.validation_messages().empty())
+    throw device_error("the validation layers found a fault: {}", device.validation_messages().front());
   return static_cast<int>(ExitCode::done);
 }
 

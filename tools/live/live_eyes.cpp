@@ -29,10 +29,12 @@ LiveEyes::LiveEyes(const gpu::Device& device, const ReplayOptions& options, Read
       scene_stamps_(scene_stamps()),
       kernel_stamps_(kernel_stamps()) {}
 
-LiveEyes::Times LiveEyes::show(const Pose& render_pose, const Pose& warp_pose) {
+LiveEyes::Times LiveEyes::show(const Pose& render_pose, const std::function<Pose()>& warp_pose) {
   const JobOutcome cast = now_->renderer.render(render_pose, now_->eyes);
-  const JobOutcome warp = now_->display.show({now_->eyes, render_pose, warp_pose});
-  return {to_s(cast.device_time) * 1e3, to_s(warp.device_time) * 1e3, cast.work};
+  const JobOutcome warp = now_->display.show({now_->eyes, render_pose, warp_pose()});
+  const EyeRenderer::StepTimes& steps = now_->renderer.step_times();
+  return {to_s(steps.opening) * 1e3, to_s(steps.cast) * 1e3, to_s(steps.closing) * 1e3,
+          to_s(warp.device_time) * 1e3, cast.work};
 }
 
 namespace {

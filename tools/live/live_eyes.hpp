@@ -25,11 +25,11 @@ class LiveEyes {
   const Headset& headset() const { return now_->headset; }
 
   struct Times {
-    double cast_ms = 0.0, warp_ms = 0.0;  // device time
+    double opening_ms = 0.0, cast_ms = 0.0, closing_ms = 0.0, warp_ms = 0.0;  // device time
     WorkCounts work;
   };
-  /// Ray casts from one pose and shows the panels as seen from another, a little later.
-  Times show(const Pose& render_pose, const Pose& warp_pose);
+  /// Ray casts from one pose and shows the panels as seen from another, which is asked for in between.
+  Times show(const Pose& render_pose, const std::function<Pose()>& warp_pose);
   PanelPair read() const { return now_->display.read(); }
 
   /// Looks at the files of stages and transfer function and makes anew what has been saved: kernels alone,

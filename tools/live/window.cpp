@@ -5,6 +5,7 @@
 #include <vulkan/vulkan_core.h>
 // After Vulkan's own types, so that GLFW declares its functions for them.
 #include <GLFW/glfw3.h>
+#include <backends/imgui_impl_glfw.h>
 
 #include "base/error.hpp"
 
@@ -43,8 +44,18 @@ LiveWindow::LiveWindow(int width_px, int height_px, const std::string& title) {
 }
 
 LiveWindow::~LiveWindow() {
+  if (overlay_attached_) ImGui_ImplGlfw_Shutdown();
   glfwDestroyWindow(window_);
   glfwTerminate();
+}
+
+void LiveWindow::attach_overlay() {
+  ImGui_ImplGlfw_InitForVulkan(window_, true);
+  overlay_attached_ = true;
+}
+
+void LiveWindow::feed_overlay() const {
+  ImGui_ImplGlfw_NewFrame();
 }
 
 std::vector<std::string> LiveWindow::vulkan_extensions() const {
@@ -69,18 +80,22 @@ double LiveWindow::held(int key) const {
   return glfwGetKey(window_, key) == GLFW_PRESS ? 1.0 : 0.0;
 }
 
-bool LiveWindow::poll() {
+bool LiveWindow::poll(bool widget_has_mouse, bool widget_has_keys) {
   pressed_.clear();
   glfwPollEvents();
   head_ = {};
-  head_.right =
-      std::max(held(GLFW_KEY_D), held(GLFW_KEY_RIGHT)) - std::max(held(GLFW_KEY_A), held(GLFW_KEY_LEFT));
-  head_.forward =
-      std::max(held(GLFW_KEY_W), held(GLFW_KEY_UP)) - std::max(held(GLFW_KEY_S), held(GLFW_KEY_DOWN));
-  head_.up = held(GLFW_KEY_E) - held(GLFW_KEY_Q);
+  if (widget_has_keys) {
+    pressed_.clear();
+  } else {
+    head_.right =
+        std::max(held(GLFW_KEY_D), held(GLFW_KEY_RIGHT)) - std::max(held(GLFW_KEY_A), held(GLFW_KEY_LEFT));
+    head_.forward =
+        std::max(held(GLFW_KEY_W), held(GLFW_KEY_UP)) - std::max(held(GLFW_KEY_S), held(GLFW_KEY_DOWN));
+    head_.up = held(GLFW_KEY_E) - held(GLFW_KEY_Q);
+  }
   double x = 0.0, y = 0.0;
   glfwGetCursorPos(window_, &x, &y);
-  const bool button = glfwGetMouseButton(window_, GLFW_MOUSE_BUTTON_LEFT) == GLFW_PRESS;
+  const bool button = !widget_has_mouse && glfwGetMouseButton(window_, GLFW_MOUSE_BUTTON_LEFT) == GLFW_PRESS;
   if (button && dragging_) {
     head_.turn_right_rad = (x - mouse_x_) * rad_per_px;
     head_.turn_up_rad = (mouse_y_ - y) * rad_per_px;

@@ -24,8 +24,14 @@ class LiveWindow {
   std::vector<std::string> vulkan_extensions() const;
   gpu::MakeSurface make_surface() const;
 
-  /// Takes what has happened; false once the window is to be closed.
-  bool poll();
+  /// From now on Dear ImGui is told what mouse and keys do. Its context must live until the window goes.
+  void attach_overlay();
+  /// Tells it of the frame to come.
+  void feed_overlay() const;
+
+  /// Takes what has happened; false once the window is to be closed. Mouse and keys that a widget of the
+  /// overlay has are not the head's.
+  bool poll(bool widget_has_mouse, bool widget_has_keys);
   /// Since the last poll().
   const HeadInput& head() const { return head_; }
   bool pressed(char key) const;  // letters in upper case, ' '
@@ -41,7 +47,7 @@ class LiveWindow {
   HeadInput head_;
   std::vector<int> pressed_;
   double mouse_x_ = 0.0, mouse_y_ = 0.0;
-  bool dragging_ = false;
+  bool dragging_ = false, overlay_attached_ = false;
 };
 
 }  // namespace brace
