@@ -94,6 +94,16 @@ void append_durations(std::vector<Figure>& figures, const std::vector<JobRecord>
     figures.push_back(none ? Figure{} : value);
 }
 
+/// What a watchdog counted; none if nobody watched.
+Figure watchdog_faults(const Json& summary) {
+  const auto found = summary.find("watchdog");
+  if (found == summary.end()) return {};
+  double faults = 0;
+  for (const Json& fault : *found)
+    faults += fault.value("count", 0.0);
+  return faults;
+}
+
 Figure mean_work(const std::vector<JobRecord>& jobs, const WorkFigure& figure) {
   double sum = 0, count = 0;
   for (const JobRecord& job : jobs) {
@@ -117,6 +127,7 @@ const std::vector<std::string>& sweep_figure_names() {
     }
     for (const WorkFigure& figure : work_figures)
       all.emplace_back(figure.name);
+    all.emplace_back("watchdog_faults");
     return all;
   }();
   return names;
@@ -132,6 +143,7 @@ std::vector<std::optional<double>> read_sweep_figures(const std::filesystem::pat
     append_durations(figures, jobs, kind);
   for (const WorkFigure& figure : work_figures)
     figures.push_back(mean_work(jobs, figure));
+  figures.push_back(watchdog_faults(summary));
   return figures;
 }
 

@@ -165,18 +165,31 @@ Outcome run_session(const Workplace& place, const std::string& session, const st
   return place.brace(arguments);
 }
 
-std::vector<double> csv_column(const std::string& text, const std::string& column) {
+std::vector<std::string> csv_cells(const std::string& text, const std::string& column) {
   std::istringstream rows(text);
   std::string row, cell;
   std::getline(rows, row);
-  const auto at = std::count(row.begin(), row.begin() + static_cast<std::ptrdiff_t>(row.find(column)), ',');
-  std::vector<double> numbers;
+  std::istringstream headings(row);
+  int at = 0;
+  while (std::getline(headings, cell, ',') && cell != column)
+    ++at;
+  if (cell != column) throw std::runtime_error("no column " + column);
+  std::vector<std::string> found;
   while (std::getline(rows, row)) {
     std::istringstream cells(row);
-    for (std::ptrdiff_t i = 0; i <= at; ++i)
+    for (int i = 0; i <= at; ++i) {
+      cell.clear();
       std::getline(cells, cell, ',');
-    numbers.push_back(cell.empty() ? 0.0 : std::stod(cell));
+    }
+    found.push_back(cell);
   }
+  return found;
+}
+
+std::vector<double> csv_column(const std::string& text, const std::string& column) {
+  std::vector<double> numbers;
+  for (const std::string& cell : csv_cells(text, column))
+    numbers.push_back(cell.empty() ? 0.0 : std::stod(cell));
   return numbers;
 }
 

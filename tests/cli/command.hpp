@@ -51,7 +51,9 @@ class Workplace {
 Outcome run_session(const Workplace& place, const std::string& session, const std::string& name,
                     const std::vector<std::string>& settings, const std::vector<std::string>& more = {});
 
-/// The numbers of one column of a CSV text with a heading; empty cells are 0.
+/// One column of a CSV text with a heading, which has no commas within cells.
+std::vector<std::string> csv_cells(const std::string& text, const std::string& column);
+/// Its numbers; empty cells are 0.
 std::vector<double> csv_column(const std::string& text, const std::string& column);
 
 /// A quick session: a box of 32 cubed, a turning head, ten vsyncs, no pictures, no image error.

@@ -1,14 +1,21 @@
-// The shipped extreme scenes run with stages of every family, at a tiny size: done, or refused as bad input.
+// The shipped extreme scenes through the stages of every family, at a tiny size: sound, or refused by name.
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
 #include <map>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <nlohmann/json.hpp>
 
 #include "tests/cli/command.hpp"
+#include "tests/cli/covering.hpp"
 
 namespace brace {
 namespace {
 
+using test::Combination;
+using test::Factor;
 using test::Outcome;
 using test::Workplace;
 
@@ -19,65 +26,197 @@ std::vector<std::string> scenes() {
           "all_empty",   "all_opaque", "needle",   "huge_gradient"};
 }
 
-/// Settings of cast/dvr beside its defaults.
-const std::vector<std::vector<std::string>> cast_settings = {
-    {},
-    {"stage.dvr.integrator=left"},
-    {"stage.dvr.integrator=linear-source"},
-    {"stage.dvr.integrator=pre-integrated"},
-    {"stage.dvr.integrator=pre-integrated", "stage.dvr.preintegration=integral"},
-    {"stage.dvr.tolerance=0.001"},
-    {"stage.dvr.tolerance=0.001", "stage.dvr.integrator=pre-integrated"}};
+/// Casters and integrators by a name of their own; the settings that make them.
+const std::map<std::string, std::vector<std::string>>& casts() {
+  static const std::map<std::string, std::vector<std::string>> all = {
+      {"cast/dvr", {}},
+      {"cast/dvr left", {"stage.dvr.integrator = 'left'"}},
+      {"cast/dvr linear-source", {"stage.dvr.integrator = 'linear-source'"}},
+      {"cast/dvr pre-integrated", {"stage.dvr.integrator = 'pre-integrated'"}},
+      {"cast/dvr integral",
+       {"stage.dvr.integrator = 'pre-integrated'", "stage.dvr.preintegration = 'integral'"}},
+      {"cast/dvr adaptive", {"stage.dvr.tolerance = 0.001"}},
+      {"cast/dvr adaptive pre-integrated",
+       {"stage.dvr.tolerance = 0.001", "stage.dvr.integrator = 'pre-integrated'"}},
+      {"cast/native", {}}};
+  return all;
+}
 
-TEST(Extremes, RunThroughTheStagesOfEveryFamily) {
-  const Workplace place;
-  const auto listed = nlohmann::json::parse(place.brace({"list", "stages", "--json"}).out);
+/// Stages that do not go together, and say so.
+bool refused(const std::string& a, const std::string& b) {
+  static const std::vector<std::pair<std::string, std::string>> pairs = {
+      {"stereo/layers", "rays/mab"},         {"stereo/novel_view", "rays/mab"},
+      {"stereo/layers", "schedule/chunked"}, {"stereo/novel_view", "schedule/chunked"},
+      {"stereo/layers", "warp/volumetric"},  {"stereo/novel_view", "warp/volumetric"},
+      {"stereo/layers", "cast/native"},      {"stereo/novel_view", "cast/native"},
+      {"schedule/chunked", "cast/native"},   {"warp/volumetric", "cast/native"}};
+  const auto either = [&](const auto& pair) {
+    return (pair.first == a && pair.second == b) || (pair.first == b && pair.second == a);
+  };
+  return std::any_of(pairs.begin(), pairs.end(), either);
+}
+
+/// A family of stages each, as `brace list stages` has them, then casts, then scenes.
+std::vector<Factor> factors_of(const Workplace& place) {
   std::map<std::string, std::vector<std::string>> families;
-  for (const auto& stage : listed) {
+  for (const auto& stage : nlohmann::json::parse(place.brace({"list", "stages", "--json"}).out)) {
     const std::string id = stage["name"];
-    const std::string family = id.substr(0, id.find('/'));
-    // `cost` stages are chosen by clock.cost; casts other than ours have tests of their own.
-    if (family != "cost" && family != "cast") families[family].push_back(id.substr(id.find('/') + 1));
+    families[id.substr(0, id.find('/'))].push_back(id);
   }
-  ASSERT_GE(families.size(), 5u);
-  std::size_t index = 0, done = 0;
-  for (const std::string& scene : scenes()) {
-    std::vector<std::string> arguments = {"run",      (examples / (scene + ".toml")).string(),
-                                          "--set",    "device.resolution_scale=0.02",
-                                          "--set",    "output.images=none",
-                                          "--frames", "3",
-                                          "--out",    scene,
-                                          "--json"};
-    for (const auto& [family, names] : families) {
-      arguments.push_back("--set");
-      arguments.push_back("pipeline." + family + "=" + names[index % names.size()]);
-    }
-    for (const std::string& setting : cast_settings[index % cast_settings.size()]) {
-      arguments.push_back("--set");
-      arguments.push_back(setting);
-    }
-    Outcome outcome = place.brace(arguments);
-    ++index;
-    // A combination may be refused, with a message; it may not fail.
-    EXPECT_TRUE(outcome.exit_code == 0 || outcome.exit_code == 2) << scene << ": " << outcome.err;
-    if (outcome.exit_code != 0) {
-      EXPECT_THAT(outcome.err, testing::HasSubstr("brace: ")) << scene;
-      // Again without the stages that share least with others.
-      for (const char* plain : {"pipeline.stereo=two_pass", "pipeline.schedule=whole_frame"}) {
-        arguments.push_back("--set");
-        arguments.push_back(plain);
+  std::vector<Factor> factors;
+  for (const char* family : {"rays", "skip", "stereo", "warp", "schedule"})
+    factors.push_back({family, families[family]});
+  factors.push_back({"cast", {}});
+  for (const auto& [name, settings] : casts())
+    factors.back().values.push_back(name);
+  factors.push_back({"scene", scenes()});
+  return factors;
+}
+
+std::string value_of(const std::vector<Factor>& factors, const Combination& row, const std::string& factor) {
+  for (std::size_t f = 0; f < factors.size(); ++f)
+    if (factors[f].name == factor) return factors[f].values[row[f]];
+  return "";
+}
+
+/// The watchdog looks whether every ray's colour is a number within [0, opacity], and that within [0, 1]; it
+/// does not look into these.
+bool can_be_watched(const std::vector<Factor>& factors, const Combination& row) {
+  return value_of(factors, row, "stereo") == "stereo/two_pass" &&
+         value_of(factors, row, "schedule") == "schedule/whole_frame";
+}
+
+/// A setting a line, TOML.
+std::vector<std::string> settings_of(const std::vector<Factor>& factors, const Combination& row) {
+  std::vector<std::string> lines;
+  for (std::size_t f = 0; f < factors.size(); ++f) {
+    const std::string& value = factors[f].values[row[f]];
+    if (factors[f].name == "scene") continue;
+    const std::size_t slash = value.find('/');
+    lines.push_back(fmt::format("pipeline.{} = '{}'", factors[f].name,
+                                value.substr(slash + 1, value.find(' ') - slash - 1)));
+    if (factors[f].name == "cast")
+      lines.insert(lines.end(), casts().at(value).begin(), casts().at(value).end());
+  }
+  lines.push_back(fmt::format("run.watchdog = '{}'", can_be_watched(factors, row) ? "full" : "off"));
+  return lines;
+}
+
+std::string name_of(const std::vector<Factor>& factors, const Combination& row) {
+  std::string name;
+  for (std::size_t f = 0; f < factors.size(); ++f)
+    name += (f == 0 ? "" : ", ") + factors[f].values[row[f]];
+  return name;
+}
+
+/// Runs combinations of one scene as one sweep and looks at what came out.
+void expect_sound(const Workplace& place, const std::string& scene, const std::vector<Factor>& factors,
+                  const std::vector<Combination>& rows) {
+  std::string text = fmt::format(
+      "session = '{}'\n[set]\ndevice.resolution_scale = 0.02\noutput.images = 'none'\noutput.error = 'ends'\n"
+      "run.frames = 3\n",
+      (examples / (scene + ".toml")).string());
+  for (const Combination& row : rows) {
+    text += "[[point]]\n";
+    for (const std::string& line : settings_of(factors, row))
+      text += line + "\n";
+  }
+  place.write(scene + ".toml", text);
+  const Outcome sweep = place.brace({"sweep", scene + ".toml", "--out", scene, "--jobs", "2"});
+  EXPECT_EQ(sweep.exit_code, 0) << scene << ": " << sweep.out << sweep.err;
+  const std::string csv = place.read(scene + "/results.csv");
+  const auto vsyncs = test::csv_cells(csv, "vsyncs"), dssim = test::csv_cells(csv, "dssim_max"),
+             faults = test::csv_cells(csv, "watchdog_faults"), status = test::csv_cells(csv, "status");
+  ASSERT_EQ(vsyncs.size(), rows.size()) << scene;
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    const std::string name = name_of(factors, rows[i]);
+    EXPECT_EQ(status[i], "done") << name;
+    EXPECT_EQ(vsyncs[i], "3") << name;
+    ASSERT_FALSE(dssim[i].empty()) << name << ": DSSIM is not a number";
+    EXPECT_GE(std::stod(dssim[i]), 0.0) << name;
+    EXPECT_LE(std::stod(dssim[i]), 1.0) << name;
+    EXPECT_EQ(faults[i], can_be_watched(factors, rows[i]) ? "0" : "") << name;
+  }
+}
+
+// Every two stages of different families that go together meet on the extreme scenes, and each meets every
+// scene. BRACE_EXTREMES=full: all combinations of stages, the casts in turn (minutes).
+TEST(Extremes, EveryPairOfStagesIsSoundOnThem) {
+  const Workplace place;
+  const std::vector<Factor> factors = factors_of(place);
+  const char* wanted = std::getenv("BRACE_EXTREMES");
+  std::vector<Combination> rows = test::covering_pairs(factors, refused);
+  EXPECT_LE(rows.size(), 80u) << "so that it takes seconds";
+  RecordProperty("runs", static_cast<int>(rows.size()));
+  if (wanted != nullptr && wanted == std::string("full")) {
+    std::vector<Factor> stages(factors.begin(), factors.end() - 2);
+    for (Combination row : test::all_combinations(stages, refused)) {
+      row.push_back(0);
+      row.push_back(0);
+      for (std::size_t scene = 0; scene < scenes().size(); ++scene) {
+        row.back() = scene;
+        std::size_t& cast = row[row.size() - 2];
+        do
+          cast = (cast + 1) % factors[factors.size() - 2].values.size();
+        while (refused(value_of(factors, row, "cast"), value_of(factors, row, "stereo")) ||
+               refused(value_of(factors, row, "cast"), value_of(factors, row, "schedule")) ||
+               refused(value_of(factors, row, "cast"), value_of(factors, row, "warp")));
+        rows.push_back(row);
       }
-      outcome = place.brace(arguments);
-    }
-    if (outcome.exit_code != 0) continue;
-    ++done;
-    const auto summary = nlohmann::json::parse(outcome.out);
-    EXPECT_EQ(summary["vsyncs"], 3) << scene;
-    if (summary["dssim"]["max"].is_number()) {
-      EXPECT_LE(summary["dssim"]["max"].get<double>(), 1.0) << scene;
     }
   }
-  EXPECT_GE(done, 6u) << "most combinations must be accepted";
+  for (const std::string& scene : scenes()) {
+    std::vector<Combination> of_scene;
+    for (const Combination& row : rows)
+      if (value_of(factors, row, "scene") == scene) of_scene.push_back(row);
+    ASSERT_GE(of_scene.size(), casts().size()) << scene;
+    expect_sound(place, scene, factors, of_scene);
+  }
+}
+
+TEST(Extremes, StagesThatDoNotGoTogetherSayWhich) {
+  const Workplace place;
+  std::vector<Factor> factors = factors_of(place);
+  factors.pop_back();
+  std::size_t next_scene = 0;
+  const test::ValuePairs pairs = test::value_pairs(factors, refused);
+  for (const auto& [a, b] : pairs.apart) {
+    const std::string scene = scenes()[next_scene++ % scenes().size()];
+    const auto setting = [](const std::string& stage) {
+      return "pipeline." + stage.substr(0, stage.find('/')) + "=" + stage.substr(stage.find('/') + 1);
+    };
+    const Outcome outcome =
+        place.brace({"run", (examples / (scene + ".toml")).string(), "--set", "device.resolution_scale=0.02",
+                     "--set", setting(a), "--set", setting(b), "--frames", "2", "--out", "refused"});
+    EXPECT_EQ(outcome.exit_code, 2) << a << " with " << b << ": " << outcome.out << outcome.err;
+    EXPECT_THAT(outcome.err, testing::AllOf(testing::HasSubstr("brace: "), testing::HasSubstr(a),
+                                            testing::HasSubstr(b), testing::HasSubstr("accepted: ")));
+    EXPECT_FALSE(std::filesystem::exists(place / "refused"));
+  }
+  EXPECT_EQ(next_scene, 10u);
+}
+
+TEST(Extremes, CoveringPairsMeetAllThatGoTogetherAndNoOther) {
+  const std::vector<Factor> factors = {
+      {"f", {"f0", "f1", "f2"}}, {"g", {"g0", "g1"}}, {"h", {"h0", "h1", "h2", "h3"}}, {"i", {"i0", "i1"}}};
+  const test::Excludes excludes = [](const std::string& a, const std::string& b) {
+    return (a == "f1" && b == "h2") || (a == "g1" && b == "i1");
+  };
+  const auto rows = test::covering_pairs(factors, excludes);
+  EXPECT_LT(rows.size(), test::all_combinations(factors, excludes).size());
+  const auto met = [&](const std::string& a, const std::string& b) {
+    return std::any_of(rows.begin(), rows.end(), [&](const Combination& row) {
+      const std::string text = name_of(factors, row);
+      return text.find(a) != std::string::npos && text.find(b) != std::string::npos;
+    });
+  };
+  const auto pairs = test::value_pairs(factors, excludes);
+  EXPECT_EQ(pairs.apart.size(), 2u);
+  EXPECT_EQ(pairs.together.size(), 42u);
+  for (const auto& [a, b] : pairs.together)
+    EXPECT_TRUE(met(a, b)) << a << ", " << b;
+  for (const auto& [a, b] : pairs.apart)
+    EXPECT_FALSE(met(a, b)) << a << ", " << b;
 }
 
 TEST(Extremes, AToleranceIsRefusedWhereNothingCanKeepIt) {
