@@ -2,7 +2,9 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <functional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "runtime/gpu/device.hpp"
@@ -21,16 +23,24 @@ struct StereoBenchOptions {
   std::vector<std::string> volumes = {"generator:solid_box:64", "generator:nested_shells:96",
                                       "generator:fractal_vessels:128"};
   std::string transfer_function = "ct-soft-tissue";
-  double resolution_scale = 0.3;
-  int views = 50;  // of 360 degrees
+  double resolution_scale = 0.3;  // of the methods' table
+  double ladder_scale = 0.15;     // of the tables of shading and layers: 64 fetches per sample take long
+  std::vector<double> scales = {0.1, 0.2, 0.3};  // of the table of resolutions
+  int views = 50;                                // of 360 degrees
+  std::vector<std::string> parts = {"methods", "shading", "layers", "resolution"};
+  std::function<void(std::string_view)> progress;
 };
 
 struct StereoBenchRow {
-  std::string volume, shading, stereo;
+  std::string part, volume, shading, stereo;
+  double resolution_scale = 0;
   /// Time saved of the second eye, V = 1 - (T_pair - T_eye) / T_eye (eq. 23, T_eye half of two passes):
   /// medians over the views of the device's times; and of what the model makes of the counts.
   double saved_device = 0, saved_model = 0;
-  double samples_share = 0;              // of those of two passes
+  double samples_share = 0;  // of those of two passes
+  double fetches_share = 0;  // of shading; 0 where nothing is fetched
+  double texels_per_px = 0;  // of layers, 8 bytes read and 8 written each, over the right eye's pixels
+  double layer_mib = 0;      // memory of re-projection layers
   double dssim_mean = 0, dssim_max = 0;  // of the right eye's picture, against two passes
 };
 
@@ -41,6 +51,7 @@ struct StereoBenchResult {
   std::vector<StereoBenchRow> rows;
 };
 
+/// Throws input_error for parts that there are not.
 StereoBenchResult bench_stereo(const StereoBenchOptions& options);
 
 std::string to_text(const StereoBenchResult& result);

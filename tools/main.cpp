@@ -223,7 +223,10 @@ void add_bench(CLI::App& app, BenchCommand& command, Action& action) {
   bench->add_option("--scene", command.scenes, "skip: head, insect, snake or none; may be given again")
       ->take_all();
   bench
-      ->add_option("--part", command.parts, "skip: updates, frames, threshold or octants; may be given again")
+      ->add_option(
+          "--part", command.parts,
+          "skip: updates, frames, threshold or octants; stereo: methods, shading, layers or resolution; "
+          "may be given again")
       ->take_all();
   bench
       ->add_option("--volume", command.volumes,

@@ -186,7 +186,9 @@ typedef enum brace_format {
 /* How visible samples are lit: the session's scene.shading. */
 typedef enum brace_shading {
   BRACE_SHADING_NONE = 0,
-  BRACE_SHADING_PHONG = 1 /* brace/shade.glsl */
+  BRACE_SHADING_PHONG = 1,     /* these three: brace/shade.glsl; directions: brace/light_directions.h */
+  BRACE_SHADING_SHADOW_AO = 2, /* 24 samples towards a light, 14 around */
+  BRACE_SHADING_RANDOM_LIGHTS = 3
 } brace_shading;
 
 /* ---- Activation -----------------------------------------------------------------------------------------
@@ -203,7 +205,12 @@ typedef struct brace_activation {
   const brace_volume* volume;
   const brace_transfer_table* transfer;
   double step_units;     /* the step that the device's transfer table has baked in, in units of length */
-  brace_shading shading; /* since 1.1 */
+  brace_shading shading; /* since 1.1, like all that follow */
+  /* Of shadings that take additional samples: how many (random_lights: 0 to 64); from one to the next, in
+   * units of length; towards the light of shadow_ao, of length 1 in the volume's metric axes. */
+  uint32_t shading_samples;
+  double shading_step_units;
+  double shading_light[3];
 } brace_activation;
 
 /* ---- Kinds: what happens once per frame -----------------------------------------------------------------

@@ -14,6 +14,7 @@
 
 #include "caster.hpp"
 #include "lanes-inl.hpp"
+#include "shade-inl.hpp"
 #include "skip_maps-inl.hpp"
 #include "voxels-inl.hpp"
 
@@ -184,9 +185,9 @@ class Traversal {
     visible = hn::And(hn::And(visible, hn::Gt(x, hn::Zero(Floats()))),
                       hn::Eq(coordinate, coordinate));  // NaN is empty
     if (!any(visible)) return visible;
-    if (scene.shading.phong) {
+    if (scene.shading.kind != BRACE_SHADING_NONE) {
       shade<type>(scene, rays_, voxel, visible, look.colour);
-      counts.shading_fetches += shading_fetches_per_sample * hn::CountTrue(Floats(), visible);
+      counts.shading_fetches += shading_fetches_per_sample(scene) * hn::CountTrue(Floats(), visible);
     }
     add_segment(visible, at.t, x, look.colour, result_);
     active_ =

@@ -50,8 +50,11 @@ struct PackedVolume {
 };
 
 struct Shading {
-  bool phong = false;
-  float ambient = 0.3f, diffuse = 0.7f, specular = 0.2f, shininess = 32.0f;
+  brace_shading kind = BRACE_SHADING_NONE;
+  float ambient = 0.3f, diffuse = 0.7f, specular = 0.2f, shininess = 32.0f;  // phong
+  int samples = 0;                                                           // random_lights
+  float step_units = 1.0f;  // between additional samples: shadow_ao, random_lights
+  float light[3] = {};      // shadow_ao: towards it, metric axes, length 1
 };
 
 /// Everything the rays of one call have in common.

@@ -14,6 +14,7 @@
 #include <oneapi/tbb/task_arena.h>
 
 #include "caster.hpp"
+#include "glsl/brace/light_directions.h"
 
 namespace {
 
@@ -89,10 +90,7 @@ class NativeCast {
     scene_.step_units = static_cast<float>(values_[step_voxels]);
     scene_.opaque_transmittance =
         values_[termination_opacity] < 1.0 ? 1.0f - static_cast<float>(values_[termination_opacity]) : -1.0f;
-    scene_.shading = {with.struct_size >= sizeof with && with.shading == BRACE_SHADING_PHONG,
-                      static_cast<float>(values_[ambient]), static_cast<float>(values_[diffuse]),
-                      static_cast<float>(values_[specular]), static_cast<float>(values_[shininess])};
-    return BRACE_OK;
+    return take_shading(with);
   }
 
   void deactivate() {
@@ -129,6 +127,22 @@ class NativeCast {
   }
 
  private:
+  brace_result take_shading(const brace_activation& with) {
+    if (with.struct_size < sizeof with) return BRACE_OK;  // an older host: unlit
+    if (with.shading < BRACE_SHADING_NONE || with.shading > BRACE_SHADING_RANDOM_LIGHTS)
+      return fail(BRACE_UNSUPPORTED, "does not know this shading");
+    if (with.shading_samples > BRACE_LIGHTS_MAX * BRACE_SAMPLES_PER_LIGHT)
+      return fail(BRACE_UNSUPPORTED, "takes up to 64 shading samples");
+    Shading& shading = scene_.shading;
+    shading = {with.shading, static_cast<float>(values_[ambient]), static_cast<float>(values_[diffuse]),
+               static_cast<float>(values_[specular]), static_cast<float>(values_[shininess])};
+    shading.samples = static_cast<int>(with.shading_samples);
+    shading.step_units = static_cast<float>(with.shading_step_units);
+    for (int axis = 0; axis < 3; ++axis)
+      shading.light[axis] = static_cast<float>(with.shading_light[axis]);
+    return BRACE_OK;
+  }
+
   void take_skip_map(const brace_cast_frame& frame) {
     scene_.skip_map = BRACE_SKIP_MAP_NONE;
     if (frame.struct_size < offsetof(brace_cast_frame, skip_params) + sizeof frame.skip_params) return;

@@ -1,4 +1,4 @@
-// What a ray finds at a point: the cell of voxels, its value, colour, emptiness and shading.
+// What a ray finds at a point: the cell of voxels, its value, colour and emptiness.
 // Compiled once for every instruction set (Google Highway): the guard turns over with each.
 #if defined(NATIVE_CAST_VOXELS_INL) == defined(HWY_TARGET_TOGGLE)
 #ifdef NATIVE_CAST_VOXELS_INL
@@ -192,9 +192,6 @@ HWY_INLINE Mask is_empty(const Scene& scene, const AnyCell& cell, const EmptyByt
   return hn::Le(coordinate_of(scene, cell.value(scene)), all(scene.eye.transfer[3]));
 }
 
-constexpr std::uint64_t shading_fetches_per_sample = 6;
-constexpr float shade_flat = 1e-3f;  // BRACE_SHADE_FLAT
-
 template <brace_voxel_type type>
 HWY_INLINE Float value_at(const Scene& scene, const Point& voxel, Mask wanted) {
   const auto inside = [&](Float at, int axis) {
@@ -202,37 +199,6 @@ HWY_INLINE Float value_at(const Scene& scene, const Point& voxel, Mask wanted) {
   };
   const Point clamped{inside(voxel.x, 0), inside(voxel.y, 1), inside(voxel.z, 2)};
   return Cell<type>::fetch(*scene.volume, clamped, wanted).value(scene);
-}
-
-/// Blinn-Phong with the light at the eye, as brace/shade.glsl.
-template <brace_voxel_type type>
-HWY_NOINLINE void shade(const Scene& scene, const Packet& rays, const Point& at, Mask wanted, Point& colour) {
-  const Float one = all(1.0f);
-  const auto difference = [&](const Point& high, const Point& low, int axis) {
-    const float scale =
-        0.5f * scene.eye.voxels_per_unit[axis] * scene.eye.transfer[0] / scene.eye.transfer[2];
-    return hn::Mul(hn::Sub(value_at<type>(scene, high, wanted), value_at<type>(scene, low, wanted)),
-                   all(scale));
-  };
-  const Point g{difference({hn::Add(at.x, one), at.y, at.z}, {hn::Sub(at.x, one), at.y, at.z}, 0),
-                difference({at.x, hn::Add(at.y, one), at.z}, {at.x, hn::Sub(at.y, one), at.z}, 1),
-                difference({at.x, at.y, hn::Add(at.z, one)}, {at.x, at.y, hn::Sub(at.z, one)}, 2)};
-  const auto dot = [](const Point& a, const Point& b) {
-    return hn::MulAdd(a.x, b.x, hn::MulAdd(a.y, b.y, hn::Mul(a.z, b.z)));
-  };
-  const auto unit = [&](Float along, int axis) {
-    return hn::Mul(along, all(1.0f / scene.eye.voxels_per_unit[axis]));
-  };
-  const Point view{unit(rays.direction.x, 0), unit(rays.direction.y, 1), unit(rays.direction.z, 2)};
-  const Float flat = all(shade_flat);
-  const Float size = hn::Sqrt(dot(g, g));
-  const Float facing = hn::Min(hn::Div(hn::Add(hn::Abs(dot(g, view)), flat), hn::Add(size, flat)), one);
-  const Float power = hn::Exp(Floats(), hn::Mul(all(scene.shading.shininess), hn::Log(Floats(), facing)));
-  const Float glint =
-      hn::Mul(hn::Mul(all(scene.shading.specular), power), hn::Div(size, hn::Add(size, flat)));
-  const Float lit = hn::MulAdd(all(scene.shading.diffuse), facing, all(scene.shading.ambient));
-  colour = {hn::Min(hn::MulAdd(colour.x, lit, glint), one), hn::Min(hn::MulAdd(colour.y, lit, glint), one),
-            hn::Min(hn::MulAdd(colour.z, lit, glint), one)};
 }
 
 }  // namespace HWY_NAMESPACE

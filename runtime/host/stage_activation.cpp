@@ -50,6 +50,10 @@ StageActivation::StageActivation(const ActivationInput& input) : open_(input.ope
   activation_.ray_count_max = input.ray_count_max;
   activation_.step_units = input.step_units;
   activation_.shading = input.shading;
+  activation_.shading_samples = input.shading_samples;
+  activation_.shading_step_units = input.shading_step_units;
+  for (int axis = 0; axis < 3; ++axis)
+    activation_.shading_light[axis] = input.shading_light[axis];
   if (input.eye_width_px != 0) {
     activation_.eye_image_format = BRACE_FORMAT_RGBA8_PREMULTIPLIED;
     activation_.eye_depth_format = BRACE_FORMAT_R32_FLOAT;

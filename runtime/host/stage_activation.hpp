@@ -39,6 +39,9 @@ struct ActivationInput {
   const TransferTable* transfer = nullptr;
   double step_units = 0.5;
   brace_shading shading = BRACE_SHADING_NONE;
+  std::uint32_t shading_samples = 0;
+  double shading_step_units = 0.0;
+  glm::dvec3 shading_light{0.0};  // length 1, volume's metric axes
 };
 
 /// Owns everything a brace_activation points to. Lives at least as long as the stages it activates are

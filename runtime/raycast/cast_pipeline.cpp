@@ -43,6 +43,8 @@ CastKernels compose_cast_kernels(const CastParts& parts, const VolumeOnDevice& v
   if (!parts.native_cast) kernels.cast = describe_kernel(parts, "cast_main.comp", resolve);
   kernels.cast.defines = volume.defines();
   if (parts.phong) kernels.cast.defines.emplace_back("BRACE_SHADING_PHONG", "1");
+  for (auto& define : defines(parts.sampled))
+    kernels.cast.defines.push_back(std::move(define));
   if (parts.counters) kernels.cast.defines.emplace_back("BRACE_COUNTERS", "1");
   return kernels;
 }

@@ -11,6 +11,7 @@
 #include "runtime/gpu/pipeline.hpp"
 #include "runtime/metrics/frame_record.hpp"
 #include "runtime/raycast/eye_view.hpp"
+#include "runtime/raycast/shading.hpp"
 #include "runtime/raycast/transfer_on_device.hpp"
 #include "runtime/raycast/volume_on_device.hpp"
 
@@ -36,7 +37,8 @@ struct CastParts {
   bool counters = false;                     // count rays, samples, skip steps and shading fetches
   /// Native stages stand in their place: no kernels are composed, and the pipeline must not record them.
   bool native_rays = false, native_cast = false;
-  bool layers_by_ray = false;  // closing tells which ray's layers stand for a pixel
+  bool layers_by_ray = false;   // closing tells which ray's layers stand for a pixel
+  SampledShading sampled = {};  // instead of phong
 };
 
 /// Kernels whose place native stages take have an empty text.

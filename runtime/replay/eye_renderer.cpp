@@ -4,6 +4,7 @@
 
 #include "base/error.hpp"
 #include "runtime/host/stage_glsl.hpp"
+#include "runtime/replay/scene_shading.hpp"
 #include "runtime/warp_layers/novel_view.hpp"
 
 namespace brace {
@@ -15,8 +16,8 @@ bool is_native(const Session& session, const char* family) {
 }
 
 CastKernels session_kernels(const Session& session, const SceneOnDevice& scene,
-                            const std::filesystem::path& data_folder, bool counters, bool emits,
-                            bool layers) {
+                            const VolumePlacement& placement, const std::filesystem::path& data_folder,
+                            bool counters, bool emits, bool layers) {
   std::vector<const PipelineStage*> stages = {&session.pipeline.at("rays"), &session.pipeline.at("cast"),
                                               &scene.skip_stage};
   if (emits) stages.push_back(&session.pipeline.at("stereo"));
@@ -28,6 +29,7 @@ CastKernels session_kernels(const Session& session, const SceneOnDevice& scene,
   parts.stages = std::move(glsl.resolve);
   parts.constants = std::move(glsl.constants);
   parts.phong = session.scene.shading == "phong";
+  parts.sampled = sampled_shading(session.scene, placement, scene.step_units);
   parts.counters = counters;
   parts.layers_by_ray = layers && session.pipeline.at("rays").stage.id() == "rays/mab";
   parts.native_rays = is_native(session, "rays");
@@ -122,7 +124,7 @@ EyeRenderer::EyeRenderer(const gpu::Device& device, const Session& session, cons
       placement_(placement),
       counting_(counting),
       makes_layers_(layers == Layers::as_session && takes_layers(session.pipeline.at("warp"))),
-      pipeline_(device, session_kernels(session, scene, data_folder, counting == Counting::on,
+      pipeline_(device, session_kernels(session, scene, placement, data_folder, counting == Counting::on,
                                         !is_single_pass(session), makes_layers_)),
       mab_(make_mab(device, session, headset)),
       own_rays_(mab_ ? RayBuffers()
@@ -137,7 +139,8 @@ EyeRenderer::EyeRenderer(const gpu::Device& device, const Session& session, cons
   if (second_eye == SecondEye::ray_cast || !is_single_pass(session)) return;
   single_pass_ =
       make_single_pass({device, session, headset, scene, placement, data_folder}, [&](bool with_snippet) {
-        return session_kernels(session, scene, data_folder, counting == Counting::on, with_snippet, false);
+        return session_kernels(session, scene, placement, data_folder, counting == Counting::on, with_snippet,
+                               false);
       });
 }
 

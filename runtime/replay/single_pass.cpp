@@ -40,6 +40,16 @@ EyeViews views_of(const Headset& headset, const Pose& world_from_head) {
           eye_view(headset, sim::Eye::right, world_from_head)};
 }
 
+std::string fresh_rays_note(std::int64_t rays, std::int64_t frames) {
+  return fmt::format(
+      "{:.1f} pixels per frame of the right eye got a ray of their own: no left ray knew what is there",
+      static_cast<double>(rays) / static_cast<double>(std::max<std::int64_t>(frames, 1)));
+}
+
+NovelView::Folders hole_folders(const SinglePass::Inputs& in) {
+  return {in.data_folder / "glsl", in.data_folder / "kernels" / "warp_layers"};
+}
+
 }  // namespace
 
 bool is_by_layers(const Session& session) {
@@ -61,7 +71,8 @@ StereoPlan plan_single_pass(const gpu::Device& device, const Session& session, c
       {std::min(limits.storage_buffer_bytes_max, limits.allocation_bytes_max), limits.memory_bytes});
 }
 
-ByLayers::ByLayers(const Inputs& in, const StereoPlan& plan, const CastKernels& kernels)
+ByLayers::ByLayers(const Inputs& in, const StereoPlan& plan, const CastKernels& kernels,
+                   const CastKernels& plain)
     : device_(in.device),
       headset_(in.headset),
       scene_(in.scene),
@@ -69,7 +80,10 @@ ByLayers::ByLayers(const Inputs& in, const StereoPlan& plan, const CastKernels& 
       pipeline_(in.device, kernels),
       layers_(in.device, in.session.pipeline.at("stereo"), plan, in.headset.eye.width_px,
               in.headset.eye.height_px, {in.data_folder / "glsl", in.data_folder / "kernels" / "stereo"}),
-      commands_(in.device, "single-pass stereo") {}
+      commands_(in.device, "single-pass stereo") {
+  if (plan.settings.fresh_rays && !plan.layers_left_out)
+    holes_.emplace(in.device, plain, in.headset.eye.width_px, in.headset.eye.height_px, hole_folders(in));
+}
 
 std::optional<JobOutcome> ByLayers::render(const Pose& world_from_head, const EyePair& into) {
   const EyeViews eyes = views_of(headset_, world_from_head);
@@ -81,7 +95,8 @@ std::optional<JobOutcome> ByLayers::render(const Pose& world_from_head, const Ey
   const EyeTarget& left = into[0];
   const EyeTarget& right = into[1];
   CastPipeline::set_eye(device_, left, eyes.left, placement_, scene_.volume, scene_.transfer, layers_.grid());
-  CastPipeline::set_eye(device_, right, eyes.right, placement_, scene_.volume, scene_.transfer);
+  CastPipeline::set_eye(device_, right, eyes.right, placement_, scene_.volume, scene_.transfer,
+                        holes_ ? std::optional(holes_->grid()) : std::nullopt);
   const auto skip = scene_.skip_bindings();
   bindings_.assign(skip.begin(), skip.end());
   if (!layers_.plan().layers_left_out) {
@@ -89,6 +104,8 @@ std::optional<JobOutcome> ByLayers::render(const Pose& world_from_head, const Ey
   }
   const CastPipeline::Resources resources{scene_.volume, scene_.transfer, layers_.rays(), left, bindings_};
   pipeline_.reset_counters(device_);
+  layers_.reset_counters();
+  if (holes_) holes_->reset_counters();
   commands_.reset();
   const auto step = [&](const char* name, const auto& record) {
     commands_.begin_timing(name);
@@ -102,20 +119,40 @@ std::optional<JobOutcome> ByLayers::render(const Pose& world_from_head, const Ey
   step("closing", [&] {
     pipeline_.record_closing(commands_, resources, {0, 0, left.width_px, left.height_px});
   });
-  step("stereo", [&] { layers_.record_second_eye(commands_, left, right); });
+  step("stereo", [&] {
+    layers_.record_second_eye(commands_, left, right, holes_ ? &holes_->holes() : nullptr);
+    if (!holes_) return;
+    commands_.barrier();
+    holes_->record(
+        commands_,
+        {scene_.volume, scene_.transfer, layers_.rays(), right, scene_.skip_bindings(), {}, holes_->grid()});
+  });
   JobOutcome outcome;
   for (const gpu::Timing& timing : gpu::submit_and_wait(commands_))
     outcome.device_time += SimDuration(timing.device_ns);
   outcome.work = pipeline_.counted(device_);
+  const StereoLayers::Counts counts = layers_.counted();
+  // In the texels of cost models, 8 bytes read and 8 written. Neighbours find the range of a ray, 8 bytes, in
+  // the cache (assumed): it is written once and read once.
+  const auto texel_bytes = static_cast<std::uint64_t>(layers_.plan().settings.bytes_per_texel);
+  outcome.work.texels = (std::uint64_t{counts.written} + counts.read) * texel_bytes / 16 + outcome.work.rays;
+  if (holes_) {
+    const WorkCounts fresh = holes_->counted();
+    outcome.work += fresh;
+    fresh_rays_ += static_cast<std::int64_t>(fresh.rays);
+  }
   return outcome;
 }
 
 std::string ByLayers::note() const {
-  if (cast_twice_ == 0) return "";
-  return fmt::format(
-      "{} of {} eye frames were ray cast twice: the volume was nearer than the layers allow ({}); a smaller "
-      "near_m, or more layers, takes it",
-      cast_twice_, frames_, layers_.plan().summary);
+  const std::string fresh = holes_ ? fresh_rays_note(fresh_rays_, frames_ - cast_twice_) : "";
+  if (cast_twice_ == 0) return fresh;
+  return fresh + (fresh.empty() ? "" : "; ") +
+         fmt::format(
+             "{} of {} eye frames were ray cast twice: the volume was nearer than the layers allow ({}); a "
+             "smaller "
+             "near_m, or more layers, takes it",
+             cast_twice_, frames_, layers_.plan().summary);
 }
 
 namespace {
@@ -174,10 +211,6 @@ gpu::Buffer layer_buffer(const gpu::Device& device, const RayGrid& grid, const P
   return {device, "novel view layers", bytes, gpu::Memory::device};
 }
 
-NovelView::Folders folders_of(const SinglePass::Inputs& in) {
-  return {in.data_folder / "glsl", in.data_folder / "kernels" / "warp_layers"};
-}
-
 const Session& checked(const Session& session) {
   require_stages(session);
   return session;
@@ -194,8 +227,8 @@ ByNovelView::ByNovelView(const Inputs& in, const CastKernels& kernels, const Cas
       pipeline_(in.device, kernels),
       rays_(in.device, grid_.across, grid_.down),
       layers_(layer_buffer(in.device, grid_, in.session.pipeline.at("stereo"))),
-      view_(in.device, in.session.pipeline.at("stereo"), folders_of(in), false, true),
-      holes_(in.device, plain, in.headset.eye.width_px, in.headset.eye.height_px, folders_of(in)),
+      view_(in.device, in.session.pipeline.at("stereo"), hole_folders(in), false, true),
+      holes_(in.device, plain, in.headset.eye.width_px, in.headset.eye.height_px, hole_folders(in)),
       box_{in.placement.world_from_volume,
            box_size_with_longest_edge(in.scene.volume.info(), in.placement.size_m)},
       commands_(in.device, "stereo by novel view") {}
@@ -245,9 +278,7 @@ std::optional<JobOutcome> ByNovelView::render(const Pose& world_from_head, const
 }
 
 std::string ByNovelView::note() const {
-  return fmt::format(
-      "{:.1f} pixels per frame of the right eye got a ray of their own: no left ray knew what is there",
-      static_cast<double>(fresh_rays_) / static_cast<double>(std::max<std::int64_t>(frames_, 1)));
+  return fresh_rays_note(fresh_rays_, frames_);
 }
 
 std::unique_ptr<SinglePass> make_single_pass(const SinglePass::Inputs& in,
@@ -256,7 +287,7 @@ std::unique_ptr<SinglePass> make_single_pass(const SinglePass::Inputs& in,
     return std::make_unique<ByNovelView>(in, cast_kernels(true), cast_kernels(false));
   const StereoPlan plan =
       plan_single_pass(in.device, in.session, in.headset, in.scene.volume.info(), in.placement);
-  return std::make_unique<ByLayers>(in, plan, cast_kernels(!plan.layers_left_out));
+  return std::make_unique<ByLayers>(in, plan, cast_kernels(!plan.layers_left_out), cast_kernels(false));
 }
 
 }  // namespace brace

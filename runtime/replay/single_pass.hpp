@@ -56,8 +56,10 @@ class SinglePass {
 /// stereo/layers: by re-projection layers.
 class ByLayers final : public SinglePass {
  public:
-  /// `kernels`: the session's; with its stereo stage's snippet unless the plan leaves layers out.
-  ByLayers(const Inputs& inputs, const StereoPlan& plan, const CastKernels& kernels);
+  /// `kernels`: the session's; with its stereo stage's snippet unless the plan leaves layers out. `plain`:
+  /// without.
+  ByLayers(const Inputs& inputs, const StereoPlan& plan, const CastKernels& kernels,
+           const CastKernels& plain);
 
   std::optional<JobOutcome> render(const Pose& world_from_head, const EyePair& into) override;
   std::string note() const override;
@@ -69,9 +71,10 @@ class ByLayers final : public SinglePass {
   VolumePlacement placement_;
   CastPipeline pipeline_;
   StereoLayers layers_;
+  std::optional<HoleRays> holes_;  // where pixels get rays of their own
   std::vector<gpu::Binding> bindings_;
   gpu::CommandList commands_;
-  std::int64_t frames_ = 0, cast_twice_ = 0;
+  std::int64_t frames_ = 0, cast_twice_ = 0, fresh_rays_ = 0;
 };
 
 /// stereo/novel_view: by layers of emission and absorption along the left eye's rays (runtime/warp_layers).

@@ -95,12 +95,32 @@ void check_position(const SessionTable& table, const std::string& position) {
   }
 }
 
+std::array<double, 3> read_light(const SessionTable& table) {
+  const std::string text = table.text("scene.light");
+  std::array<double, 3> light{};
+  std::istringstream stream(text);
+  char comma = ',';
+  bool fine = true;
+  for (std::size_t axis = 0; axis < 3; ++axis) {
+    fine = fine && (axis == 0 || (stream >> comma && comma == ','));
+    fine = fine && stream >> light[axis];
+  }
+  std::string rest;
+  const double length = std::hypot(light[0], light[1], light[2]);
+  if (!fine || stream >> rest || !(length > 0.0) || !std::isfinite(length))
+    table.fail("scene.light", fmt::format("is '{}'; accepted: x,y,z towards the light, not all 0", text));
+  return light;
+}
+
 Session::Scene read_scene(const SessionTable& table, const std::filesystem::path& folder) {
   Session::Scene scene;
   scene.volume = table.text("scene.volume");
   if (scene.volume.rfind("generator:", 0) != 0) scene.volume = absolute_from(folder, scene.volume).string();
   scene.transfer_function = transfer_function_from(folder, table.text("scene.transfer_function"));
   scene.shading = table.choice("scene.shading");
+  scene.shading_samples = static_cast<int>(table.number_in("scene.shading_samples", 0, 64));
+  scene.shading_step_voxels = table.number_in("scene.shading_step_voxels", 0.01, 64.0);
+  scene.light = read_light(table);
   scene.size_m = table.number_in("scene.size_m", 1e-6, 1e6);
   scene.position = table.text("scene.position");
   check_position(table, scene.position);

@@ -46,7 +46,7 @@ struct Session {
   struct Scene {
     std::string volume;             // absolute path, or generator:NAME:SIZE
     std::string transfer_function;  // preset name or absolute path
-    std::string shading;            // none | phong
+    std::string shading;            // none | phong | shadow_ao | random_lights
     double size_m = 0.6;            // longest edge of the volume
     std::string position;           // "front:D" or "x,y,z"
     std::string up, front;          // volume axes: "+z", "-y", …
@@ -69,6 +69,10 @@ struct Session {
       double seconds = 1.0;
     };
     std::optional<TransferAnimation> transfer_animation;  // instead of changes
+
+    int shading_samples = 16;                       // of random_lights
+    double shading_step_voxels = 1.0;               // between additional samples
+    std::array<double, 3> light = {0.5, 1.0, 0.3};  // towards it, in the world; of any length but 0
   } scene;
 
   struct Clock {

@@ -44,15 +44,28 @@ class StereoLayers {
   const CastArea& ray_area() const { return area_; }
   RayGrid grid() const { return {plan_.across, plan_.down, plan_.margins.left, plan_.margins.top}; }
 
-  /// Records the second eye's picture, after a barrier.
-  void record_second_eye(gpu::CommandList& commands, const EyeTarget& first, const EyeTarget& second) const;
+  /// Records the second eye's picture, after a barrier. `holes`: a uint per pixel, set to 1 where what it
+  /// shows is not known to the end; needed where plan().settings.fresh_rays asks for them and layers are not
+  /// left out.
+  void record_second_eye(gpu::CommandList& commands, const EyeTarget& first, const EyeTarget& second,
+                         const gpu::Buffer* holes) const;
+
+  /// Since the last reset; after the work is done.
+  struct Counts {
+    std::uint32_t written = 0;  // texels of layers, by kernels that count
+    std::uint32_t read = 0;     // by the composition
+  };
+  Counts counted() const;
+  void reset_counters() const;
 
  private:
+  void clear_ranges();
+
   const gpu::Device& device_;
   StereoPlan plan_;
   int width_px_, height_px_;
   RayBuffers rays_;
-  gpu::Buffer params_, texels_, ranges_;
+  gpu::Buffer params_, texels_, ranges_, counts_;
   gpu::ComputePipeline second_eye_;
   std::vector<gpu::Binding> bindings_;
   CastArea area_;

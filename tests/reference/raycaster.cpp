@@ -1,11 +1,19 @@
 #include "tests/reference/raycaster.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include <glm/geometric.hpp>
+#include <glm/vector_relational.hpp>
 
+#include "plugins/abi/glsl/brace/light_directions.h"
 #include "tests/reference/integrate.hpp"
+
+#define BRACE_TEST_TRIPLE(x, y, z) \
+  std::array<double, 3> {          \
+    x, y, z                        \
+  }
 
 namespace brace::reference {
 
@@ -31,6 +39,44 @@ glm::dvec3 shade(const Volume& volume, const TransferTable& table, const Ray& ra
   const double facing = std::min((std::abs(glm::dot(gradient, view)) + kFlat) / (size + kFlat), 1.0);
   const double glint = phong.specular * std::pow(facing, phong.shininess) * size / (size + kFlat);
   return glm::min(colour * (phong.ambient + phong.diffuse * facing) + glint, glm::dvec3(1.0));
+}
+
+/// Transmittance of steps from a point in a direction; nothing absorbs outside of the volume.
+double transmittance_towards(const Volume& volume, const TransferTable& table, const glm::dvec3& from,
+                             const glm::dvec3& direction, int samples, double step_units) {
+  const glm::dvec3 dims(volume.info.dims[0], volume.info.dims[1], volume.info.dims[2]);
+  double depth = 0.0;
+  for (int i = 1; i <= samples; ++i) {
+    const glm::dvec3 at = from + i * step_units * direction / spacing_in_units(volume.info);
+    if (glm::any(glm::lessThan(at, glm::dvec3(0.0))) || glm::any(glm::greaterThan(at, dims))) continue;
+    depth += lookup(table, value_at(volume, at)).kappa * step_units;
+  }
+  return std::exp(-depth);
+}
+
+constexpr std::array<std::array<double, 3>, BRACE_LIGHTS_MAX> kLights = {
+    {BRACE_LIGHT_DIRECTIONS(BRACE_TEST_TRIPLE)}};
+constexpr std::array<std::array<double, 3>, BRACE_OCCLUSION_SAMPLES> kAround = {
+    {BRACE_OCCLUSION_DIRECTIONS(BRACE_TEST_TRIPLE)}};
+
+glm::dvec3 light_at(const Volume& volume, const TransferTable& table, const glm::dvec3& voxel,
+                    const SampledLight& sampled) {
+  const auto open = [&](const glm::dvec3& direction, int samples) {
+    return transmittance_towards(volume, table, voxel, direction, samples, sampled.step_units);
+  };
+  glm::dvec3 light(0.0);
+  if (sampled.shadow_ao) {
+    for (const auto& d : kAround)
+      light += open({d[0], d[1], d[2]}, 1);
+    return light / double{BRACE_OCCLUSION_SAMPLES} * open(sampled.light, BRACE_SHADOW_SAMPLES);
+  }
+  const int lights = sampled.samples == 0 ? 1 : (sampled.samples + 3) / 4;
+  for (int i = 0; i < lights; ++i) {
+    const auto& d = kLights[static_cast<std::size_t>(i)];
+    const glm::dvec3 towards(d[0], d[1], d[2]);
+    light += glm::abs(towards) * open(towards, std::min(4, sampled.samples - 4 * i));
+  }
+  return light / static_cast<double>(lights);
 }
 
 }  // namespace
@@ -106,6 +152,10 @@ Result cast(const Volume& volume, const TransferTable& table, const Ray& ray, co
   result.depth = std::numeric_limits<double>::infinity();
   if (ray.length <= 0.0) return result;
   const auto lit = [&](double t, const std::array<double, 3>& own) -> std::array<double, 3> {
+    if (options.sampled) {
+      const glm::dvec3 light = light_at(volume, table, ray.entry + t * ray.direction, *options.sampled);
+      return {own[0] * light.x, own[1] * light.y, own[2] * light.z};
+    }
     if (!options.phong) return own;
     const glm::dvec3 colour =
         shade(volume, table, ray, ray.entry + t * ray.direction, {own[0], own[1], own[2]}, *options.phong);
@@ -138,7 +188,12 @@ Result cast(const Volume& volume, const TransferTable& table, const Ray& ray, co
   result.depth = integral.first_hit;
   result.work.rays = 1;
   result.work.samples = static_cast<std::uint64_t>(integral.samples);
-  if (options.phong) result.work.shading_fetches = 6 * static_cast<std::uint64_t>(integral.visible_samples);
+  const int fetches = options.sampled && options.sampled->shadow_ao ? 38
+                      : options.sampled                             ? options.sampled->samples
+                      : options.phong                               ? 6
+                                                                    : 0;
+  result.work.shading_fetches =
+      static_cast<std::uint64_t>(fetches) * static_cast<std::uint64_t>(integral.visible_samples);
   return result;
 }
 

@@ -18,6 +18,14 @@ struct Phong {
   double ambient = 0.3, diffuse = 0.7, specular = 0.2, shininess = 32.0;
 };
 
+/// scene.shading = "random_lights", or with `shadow_ao` that one.
+struct SampledLight {
+  bool shadow_ao = false;
+  int samples = 16;
+  double step_units = 1.0;
+  glm::dvec3 light{0.0, 1.0, 0.0};  // towards it, volume's metric axes, length 1
+};
+
 enum class Rule { midpoint, left, linear_source, pre_integrated };
 
 struct Options {
@@ -25,6 +33,7 @@ struct Options {
   double termination = 0.99;
   std::optional<Phong> phong;
   Rule rule = Rule::midpoint;
+  std::optional<SampledLight> sampled = std::nullopt;
 };
 
 /// entry + t * direction, 0 <= t <= length, in voxel coordinates; t in the smallest voxel spacing.

@@ -7,6 +7,8 @@
 const int stereo_none = -1000000;
 
 uvec2 stereo_cell;
+bool stereo_leaves;          // this ray leaves segments
+uint stereo_texels_written;
 uint stereo_row;
 float stereo_line;           // the column of the ray's point at infinity
 float stereo_begin_z, stereo_dz;
@@ -16,14 +18,16 @@ float stereo_depth;  // optical, in powers of two, of the column so far
 float stereo_left;   // its transmittance
 vec3 stereo_colour;  // premultiplied
 
-bool stereo_is_seen(int column) { return column >= 0 && column < int(stereo.layers.z); }
+bool stereo_is_seen(int column) { return column >= 0 && column < int(stereo.columns.y); }
 
 void brace_emit_begin(BraceRay ray) {
   stereo_cell = brace_area.origin + gl_GlobalInvocationID.xy;
+  stereo_leaves = stereo_is_sampled(stereo_cell);
+  stereo_texels_written = 0u;
   stereo_row = stereo_row_of(stereo_cell);
   stereo_begin_z = dot(stereo.forward.xyz, (ray.entry - brace_eye.eye.xyz) / brace_eye.voxels_per_unit.xyz);
   stereo_dz = dot(stereo.forward.xyz, ray.direction / brace_eye.voxels_per_unit.xyz);
-  stereo_line = stereo.line.x * (float(int(stereo_cell.x) - stereo.grid.x) + 0.5) + stereo.line.y;
+  stereo_line = stereo_line_of(int(stereo_cell.x), stereo_cell.y);
   stereo_low = int(floor(stereo_line - stereo.line.z / stereo.depths.x));
   stereo_high = int(floor(stereo_line - stereo.line.z / stereo.depths.y));
   stereo_first = stereo_none;
@@ -38,6 +42,7 @@ void stereo_write() {
   if (stereo_is_seen(stereo_column)) {
     const float opacity = 1.0 - stereo_left;
     stereo_store(stereo_row + uint(stereo_column), vec4(min(stereo_colour, vec3(opacity)), opacity));
+    ++stereo_texels_written;
   }
 }
 
@@ -48,7 +53,10 @@ void stereo_add(int column, vec3 colour, float depth) {
     } else {
       stereo_write();
       for (int gap = stereo_column + 1; gap < column; ++gap)
-        if (stereo_is_seen(gap)) stereo_store(stereo_row + uint(gap), vec4(0.0));
+        if (stereo_is_seen(gap)) {
+          stereo_store(stereo_row + uint(gap), vec4(0.0));
+          ++stereo_texels_written;
+        }
     }
     stereo_column = column;
     stereo_depth = 0.0;
@@ -57,8 +65,9 @@ void stereo_add(int column, vec3 colour, float depth) {
   }
 #if defined(BRACE_STEREO_PATH_LENGTH_OWN)
   // Both rays cross the same depths: lengths are as the secants of their angles.
-  const float own_x = stereo.tangents.x + (float(column) + 0.5) * stereo.tangents.y;
-  const float ray_x = stereo.tangents.x + stereo_line * stereo.tangents.y;
+  const float shift = float(stereo_phase(stereo_cell.y));
+  const float own_x = stereo.tangents.x + ((float(column) + 0.5) / stereo.columns.x - shift) * stereo.tangents.y;
+  const float ray_x = stereo.tangents.x + (stereo_line / stereo.columns.x - shift) * stereo.tangents.y;
   depth *= sqrt(max(1.0 + stereo_dz * stereo_dz * (own_x * own_x - ray_x * ray_x), 0.0));
 #endif
   stereo_depth += depth;
@@ -68,7 +77,7 @@ void stereo_add(int column, vec3 colour, float depth) {
 }
 
 void brace_emit_segment(BraceRay ray, float begin, float end, vec3 colour, float optical_depth) {
-  if (!(end > begin)) return;
+  if (!stereo_leaves || !(end > begin)) return;
   const float per_unit = min(optical_depth, 1e9) / (end - begin);
   int column = stereo_column_at(stereo_begin_z + begin * stereo_dz);
   const int last = stereo_column_at(stereo_begin_z + end * stereo_dz);
@@ -85,8 +94,14 @@ void brace_emit_segment(BraceRay ray, float begin, float end, vec3 colour, float
 void brace_emit_end(BraceRay ray, float end) {
   if (stereo_column == stereo_none) return;
   stereo_write();
-  const int width = int(stereo.layers.z);
+  const int width = int(stereo.columns.y);
   const uint first = uint(clamp(stereo_first, 0, width));
   const uint behind = uint(clamp(stereo_column + 1, 0, width));
-  stereo_ranges[brace_ray_index(stereo_cell)] = uvec2(first | behind << 16, stereo.layers.y);
+  const bool stopped = end < 0.9999 * ray.extent;
+  const int exit = stereo_column_at(stereo_begin_z + ray.extent * stereo_dz) + 1;
+  const uint until = stopped ? uint(clamp(exit, 0, width)) : 0u;
+  stereo_ranges[brace_ray_index(stereo_cell)] = uvec2(first | behind << 16, stereo.layers.y | until << 16);
+#if defined(BRACE_COUNTERS)
+  atomicAdd(stereo_written, stereo_texels_written);
+#endif
 }

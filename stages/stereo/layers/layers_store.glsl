@@ -23,11 +23,25 @@ void stereo_store(uint at, vec4 texel) { stereo_texels[at] = texel; }
 vec4 stereo_load(uint at) { return stereo_texels[at]; }
 #endif
 
-// Per ray: x: first column it wrote and the one after its last (upper 16 bits); y: the frame in which it did.
+// Per ray: x: first column it wrote and the one after its last (upper 16 bits); y: the frame in which it did and, if
+// it was stopped, the column after the one where it would have left the volume, else 0 (upper 16 bits).
 layout(std430, set = 0, binding = 18) buffer BraceStereoRanges { uvec2 stereo_ranges[]; };
+// Texels written; texels that compositions read.
+layout(std430, set = 0, binding = 19) buffer BraceStereoCounts { uint stereo_written, stereo_read; };
+
+// Interleaved sampling (Keller and Heidrich 2001): of `stereo_interleave` neighbouring rays one leaves segments, and its
+// columns are as many pixels wide; both are shifted from row to row.
+int stereo_phase(uint row) { return int(row % uint(stereo_interleave)); }
+bool stereo_is_sampled(uvec2 cell) { return (cell.x + cell.y) % uint(stereo_interleave) == 0u; }
 
 // The first texel of a ray's layer. Neighbouring rays have different layers, as many rays apart as there are
 // layers share one and never meet (Buchacher, Algorithm 1, whose layers count the other way round).
 uint stereo_row_of(uvec2 cell) {
-  return (cell.y * stereo.layers.x + cell.x % stereo.layers.x) * stereo.layers.z;
+  const uint layer = cell.x / uint(stereo_interleave) % stereo.layers.x;
+  return (cell.y * stereo.layers.x + layer) * uint(stereo.columns.y);
+}
+// The column of the layers where a ray's point at infinity falls; of the ray's column in the grid.
+float stereo_line_of(int column, uint row) {
+  return stereo.line.x * (float(column - stereo.grid.x) + 0.5) + stereo.line.y +
+         stereo.columns.x * float(stereo_phase(row));
 }

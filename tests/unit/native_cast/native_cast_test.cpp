@@ -299,6 +299,9 @@ class Caster {
     activation_.transfer = &transfer.table;
     activation_.step_units = step_units;
     activation_.shading = shading;
+    activation_.shading_samples = 18;
+    activation_.shading_step_units = 0.8;
+    activation_.shading_light[1] = 1.0;
     stage_.activate(activation_);
   }
 
@@ -444,13 +447,35 @@ TEST(NativeCast, NotANumberIsEmptyAndResultsKeepTheContract) {
   voxels[200] = -std::numeric_limits<float>::infinity();
   std::memcpy(volume.bytes.data(), voxels.data(), volume.bytes.size());
   const TestRays rays = random_rays(16, 16, volume, random);
-  for (const brace_shading shading : {BRACE_SHADING_NONE, BRACE_SHADING_PHONG}) {
+  for (const brace_shading shading :
+       {BRACE_SHADING_NONE, BRACE_SHADING_PHONG, BRACE_SHADING_SHADOW_AO, BRACE_SHADING_RANDOM_LIGHTS}) {
     Caster native(NATIVE_CAST, "native", volume, transfer, -1, shading);
     const Picture picture = native.cast(rays);
     for (std::size_t ray = 0; ray < picture.depths_m.size(); ++ray) {
       const float* colour = &picture.colours[4 * ray];
       for (int c = 0; c < 3; ++c)
         EXPECT_TRUE(colour[c] >= 0.0f && colour[c] <= colour[3] && colour[3] <= 1.0f) << ray;
+    }
+  }
+}
+
+TEST(NativeCast, EveryInstructionSetIsLitAlikeByAdditionalSamples) {
+  Random random(13);
+  const TestTransfer transfer({0, 255});
+  const TestVolume volume = random_volume({17, 16, 21}, BRACE_VOXEL_UINT8, random);
+  const TestRays rays = random_rays(16, 9, volume, random);
+  const std::vector<std::string> names = instruction_names();
+  for (const brace_shading shading : {BRACE_SHADING_SHADOW_AO, BRACE_SHADING_RANDOM_LIGHTS}) {
+    Caster scalar(NATIVE_CAST, "native", volume, transfer, static_cast<int>(names.size()) - 1, shading);
+    const Picture oracle = scalar.cast(rays);
+    EXPECT_EQ(oracle.counted.shading_fetches % (shading == BRACE_SHADING_SHADOW_AO ? 38 : 18), 0u);
+    EXPECT_GT(oracle.counted.shading_fetches, 0u);
+    for (std::size_t set = 1; set + 1 < names.size(); ++set) {
+      SCOPED_TRACE(names[set]);
+      Caster native(NATIVE_CAST, "native", volume, transfer, static_cast<int>(set), shading);
+      const Picture picture = native.cast(rays);
+      expect_near(picture, oracle);
+      EXPECT_EQ(picture.counted.shading_fetches, oracle.counted.shading_fetches);
     }
   }
 }

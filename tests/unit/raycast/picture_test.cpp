@@ -62,6 +62,45 @@ TEST_F(Picture, OfEveryVoxelTypeAndSpacingMatchesTheReference) {
   }
 }
 
+TEST_F(Picture, LitByAdditionalSamplesMatchesTheReference) {
+  const EyeView eye = look_at_centre({-0.5, 0.7, 1.6}, 32, 32);
+  Volume volume = load("generator:nested_shells:24x20x17");
+  volume.info.spacing = {0.5, 0.75, 1.25};
+  const TransferTable table = smooth_table(volume, scan(volume).range);
+  CastSettings settings;
+  settings.shadow_ao = true;
+  expect_like_reference(volume, table, eye, tilted(), settings, VolumePath::packed);
+  settings.shadow_ao = false;
+  // No sample at all, less than a light's four, one light, several with a part of one, all.
+  for (const int samples : {0, 3, 4, 18, 64}) {
+    settings.light_samples = samples;
+    expect_like_reference(volume, table, eye, tilted(), settings, VolumePath::packed);
+  }
+  settings.integrator = "linear-source";
+  settings.light_samples = 5;
+  expect_like_reference(volume, table, eye, tilted(), settings, VolumePath::sampler);
+}
+
+TEST_F(Picture, AdditionalSamplesAreCountedPerVisibleSample) {
+  const Volume volume = load("generator:nested_shells:24");
+  const TransferTable table = smooth_table(volume, scan(volume).range);
+  const EyeView eye = look_at_centre({0.3, 0.2, 2.0}, 24, 24);
+  const auto fetches = [&](const CastSettings& settings) {
+    return shoot(volume, table, eye, tilted(), settings).work.shading_fetches;
+  };
+  CastSettings four, all, none, shadow;
+  four.light_samples = 4;
+  all.light_samples = 64;
+  none.light_samples = 0;
+  shadow.shadow_ao = true;
+  const std::uint64_t visible = fetches(four) / 4;
+  EXPECT_GT(visible, 1000u);
+  EXPECT_EQ(fetches(four), 4 * visible);
+  EXPECT_EQ(fetches(all), 64 * visible);
+  EXPECT_EQ(fetches(none), 0u);
+  EXPECT_EQ(fetches(shadow), 38 * visible);
+}
+
 TEST_F(Picture, SamplerAndPackedPathAgree) {
   const EyeView eye = look_at_centre({0.4, -0.3, 1.5});
   for (const char* name : {"generator:marschner_lobb:40", "generator:fractal_vessels:40:int16"}) {

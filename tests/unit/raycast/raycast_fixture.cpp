@@ -16,6 +16,8 @@ namespace brace {
 namespace {
 
 const std::filesystem::path kSource = BRACE_SOURCE_DIR;
+constexpr double kLightStep = 0.8;  // of shadings by additional samples
+const glm::dvec3 kLight = glm::normalize(glm::dvec3(0.5, 1.0, 0.3));
 
 PipelineStage stage_of(const char* id) {
   PipelineStage stage{read_stage_manifest(kSource / "stages" / id / "stage.toml"), {}};
@@ -111,6 +113,8 @@ EyeView look_at_centre(const glm::dvec3& position, int width_px, int height_px, 
 reference::Options reference_options(const CastSettings& settings) {
   reference::Options options{settings.step_voxels, settings.termination, std::nullopt};
   if (settings.phong) options.phong = reference::Phong{};
+  if (settings.shadow_ao || settings.light_samples >= 0)
+    options.sampled = {settings.shadow_ao, settings.light_samples, kLightStep, kLight};
   if (settings.integrator == "left") options.rule = reference::Rule::left;
   if (settings.integrator == "linear-source") options.rule = reference::Rule::linear_source;
   if (settings.integrator == "pre-integrated") options.rule = reference::Rule::pre_integrated;
@@ -145,6 +149,14 @@ CastParts RaycastTest::parts(const CastSettings& settings) {
   parts.stages = std::move(glsl.resolve);
   parts.constants = std::move(glsl.constants);
   parts.phong = settings.phong;
+  using Kind = SampledShading::Kind;
+  parts.sampled.kind = settings.shadow_ao            ? Kind::shadow_ao
+                       : settings.light_samples >= 0 ? Kind::random_lights
+                                                     : Kind::none;
+  parts.sampled.samples = std::max(settings.light_samples, 0);
+  parts.sampled.step_units = kLightStep;
+  parts.sampled.steps_of_table = kLightStep / settings.step_voxels;
+  parts.sampled.light = kLight;
   parts.counters = settings.counters;
   return parts;
 }

@@ -63,6 +63,8 @@ struct CastSettings {
   std::string preintegration = "table";
   double tolerance = 0.0;
   double step_voxels_min = 0.0625, step_voxels_max = 1.0;
+  int light_samples = -1;  // of random_lights; -1: other shading
+  bool shadow_ao = false;
   auto operator<=>(const CastSettings&) const = default;
 };
 

@@ -18,17 +18,18 @@ namespace brace {
 
 struct BraceStereoParams {
   BRACE_VEC4(forward);  /* xyz: the eyes' view direction, volume axes, metric, of length 1 */
-  BRACE_VEC4(line);     /* a ray of column c falls on column x * c + y - z / depth of the second eye */
+  BRACE_VEC4(line);     /* a ray of column c falls on column x * c + y - z / depth of the layers */
   BRACE_VEC4(depths);   /* x, y: depths between which the volume lies */
   BRACE_VEC4(tangents); /* second eye: x: at its left edge, y: per pixel; z: at its top edge, w: per pixel */
   BRACE_VEC4(rows);     /* a row r of the second eye lies on row x * r + y of the first */
   BRACE_IVEC4(grid);    /* xy: rays left of and above the first eye's picture; zw: rays across and down */
-  BRACE_UVEC4(layers);  /* x: layers; y: this frame's number, never 0; zw: the second eye's picture */
+  BRACE_UVEC4(layers);  /* x: layers; y: this frame's number, 1 to 65535; zw: the second eye's picture */
+  BRACE_VEC4(columns);  /* of the layers: x: per pixel of the second eye; y: across */
 };
 
 #ifdef __cplusplus
 }
-static_assert(sizeof(brace::BraceStereoParams) == 112);
+static_assert(sizeof(brace::BraceStereoParams) == 128);
 #endif
 #undef BRACE_VEC4
 #undef BRACE_IVEC4
