@@ -132,6 +132,9 @@ void add_live(CLI::App& app, LiveCommand& command, Action& action) {
   live->add_option("--screenshot", command.screenshot, "PNG of both eyes to write at the end");
   live->add_option("--screenshot-window", command.window_screenshot,
                    "PNG of the window to write at the end, overlay and all");
+  live->add_option(
+      "--widgets", command.widgets,
+      "Text file to keep the places of the overlay's widgets in (x y width height name), for scripts");
   live->add_option("--pace", command.pace,
                    "What pictures wait for: vsyncs at --rate, those of the window's display, or nothing")
       ->check(CLI::IsMember({"simulated", "window", "free"}))

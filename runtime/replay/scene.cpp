@@ -68,9 +68,16 @@ double step_voxels_of(const Session& session) {
   return 0.5;
 }
 
-std::unique_ptr<SceneOnDevice> load_scene(const gpu::Device& device, const Session& session,
-                                          const ReplayOptions& options, const Headset& headset,
-                                          const VolumePlacement& placement) {
+bool same_volume(const Session& a, const Session& b) {
+  return a.scene.volume == b.scene.volume && a.scene.nan == b.scene.nan &&
+         a.scene.data_path == b.scene.data_path;
+}
+
+namespace {
+
+/// A scene with the volume and its statistics alone.
+std::unique_ptr<SceneOnDevice> load_volume(const gpu::Device& device, const Session& session,
+                                           const ReplayOptions& options) {
   const Session::Scene& wanted = session.scene;
   OpenOptions open;
   open.non_finite = wanted.nan == "empty" ? NonFinitePolicy::treat_as_empty : NonFinitePolicy::reject;
@@ -78,14 +85,30 @@ std::unique_ptr<SceneOnDevice> load_scene(const gpu::Device& device, const Sessi
 
   ProgressMeter meter("loading", 1000, "‰");
   VoxelScan scan(source->info().type);
-  auto scene = std::make_unique<SceneOnDevice>();
-  scene->volume =
-      VolumeOnDevice(device, *source, parse_volume_path(wanted.data_path), &scan, [&](double fraction) {
+  auto scene = std::make_unique<SceneOnDevice>(std::make_shared<const VolumeOnDevice>(
+      device, *source, parse_volume_path(wanted.data_path), &scan, [&](double fraction) {
         meter.update(static_cast<std::uint64_t>(fraction * 1000.0));
         throw_if_interrupted(options);
-      });
+      }));
   meter.finish();
   scene->statistics = scan.result();
+  return scene;
+}
+
+std::unique_ptr<SceneOnDevice> share_volume(const SceneOnDevice& other) {
+  auto scene = std::make_unique<SceneOnDevice>(other.held_volume);
+  scene->statistics = other.statistics;
+  return scene;
+}
+
+}  // namespace
+
+std::unique_ptr<SceneOnDevice> load_scene(const gpu::Device& device, const Session& session,
+                                          const ReplayOptions& options, const Headset& headset,
+                                          const VolumePlacement& placement, const SceneOnDevice* volume_of) {
+  const Session::Scene& wanted = session.scene;
+  std::unique_ptr<SceneOnDevice> scene =
+      volume_of != nullptr ? share_volume(*volume_of) : load_volume(device, session, options);
 
   const VolumeInfo& info = scene->volume.info();
   const ValueRange range = scene->statistics.range;

@@ -18,7 +18,11 @@ namespace brace {
 
 /// A session's volume and transfer function in device memory.
 struct SceneOnDevice {
-  VolumeOnDevice volume;
+  explicit SceneOnDevice(std::shared_ptr<const VolumeOnDevice> held)
+      : held_volume(std::move(held)), volume(*held_volume) {}
+
+  std::shared_ptr<const VolumeOnDevice> held_volume;  // several scenes can share one
+  const VolumeOnDevice& volume;
   TransferVersions versions;
   std::int64_t transfer_version = 0;  // that the members below stand for
   TransferTable table;
@@ -48,9 +52,14 @@ double step_voxels_of(const Session& session);
 
 /// Streams the volume to the device, bakes the transfer function and builds the skip stage's structure (a
 /// native stage is activated for it), which refers to the volume: the scene stays where it is. Throws
-/// brace::Error or Interrupted.
+/// brace::Error or Interrupted. With `volume_of` the volume is not read again: it is that scene's, which must
+/// have been loaded for the same one.
 std::unique_ptr<SceneOnDevice> load_scene(const gpu::Device& device, const Session& session,
                                           const ReplayOptions& options, const Headset& headset,
-                                          const VolumePlacement& placement);
+                                          const VolumePlacement& placement,
+                                          const SceneOnDevice* volume_of = nullptr);
+
+/// Whether two sessions put the same volume into device memory, as long as its file stays as it is.
+bool same_volume(const Session& a, const Session& b);
 
 }  // namespace brace

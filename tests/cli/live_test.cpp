@@ -38,6 +38,19 @@ error = "none"
 frames = 4
 )";
 
+/// For scripts that drive the window: `shown` waits for it, `click` a widget of the overlay by its name,
+/// `said` waits for words in live.log.
+const std::string window_functions = R"sh(
+shown() { for i in $(seq 600); do xdotool search --name ' fps' >/dev/null 2>&1 && break; sleep 0.05; done; }
+at() { awk -v n="$1" '$5 == n { print int($1 + $3 / 2), int($2 + $4 / 2) }' widgets.txt 2>/dev/null; }
+click() {
+  for i in $(seq 200); do [ -n "$(at "$1")" ] && break; sleep 0.05; done
+  [ -n "$(at "$1")" ] || { echo "no widget $1" >>live.log; return; }
+  xdotool mousemove $(at "$1"); sleep 0.2; xdotool mousedown 1; sleep 0.15; xdotool mouseup 1; sleep 0.15
+}
+said() { for i in $(seq 300); do grep -q -- "$1" live.log && return; sleep 0.1; done; echo "never said: $1" >>live.log; }
+)sh";
+
 class Live : public ::testing::Test {
  protected:
   void SetUp() override {
@@ -50,6 +63,15 @@ class Live : public ::testing::Test {
     std::string text = session;
     text.replace(text.find("MOTION"), 6, motion);
     place_.write("s.toml", text);
+  }
+  /// `brace live s.toml` with these options beside a script that drives it; returns what it said.
+  std::string drive(const std::string& options, const std::string& script) {
+    place_.write("drive.sh", window_functions + "\"$1\" live s.toml --keep-scale --rate 60 --frames 20000 " +
+                                 "--widgets widgets.txt " + options + " >>live.log 2>&1 &\nlive=$!\nshown\n" +
+                                 script + "\nxdotool key Escape\nwait $live\n");
+    const Outcome outcome = place_.command({"/bin/bash", "drive.sh", BRACE_PROGRAM}, display_);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err << place_.read("live.log");
+    return place_.read("live.log");
   }
   Workplace place_;
   RunOptions display_;
@@ -90,11 +112,12 @@ TEST_F(Live, ShowsTheEyesThatTheReplayShows) {
   EXPECT_EQ(left, both.width_px);
 }
 
-int reddish_right_of(const ImageRgba8& picture, int left) {
+/// Pixels of the overlay's strip in the colour of a fault's words.
+int fault_pixels(const ImageRgba8& window) {
   int count = 0;
-  for (int y = 0; y < picture.height_px; ++y)
-    for (int x = left; x < picture.width_px; ++x)
-      count += picture.at(x, y).r > 180 && picture.at(x, y).g < 120 && picture.at(x, y).b < 120;
+  for (int y = window.height_px - WindowLayout::strip_height_px; y < window.height_px; ++y)
+    for (int x = 0; x < window.width_px - WindowLayout::column_width_px; ++x)
+      count += window.at(x, y).r > 240 && window.at(x, y).g < 100;
   return count;
 }
 
@@ -175,8 +198,7 @@ wait $live
   EXPECT_THAT(log, HasSubstr("live: reloaded"));
   EXPECT_TRUE(std::filesystem::exists(place_ / "eyes.png"));
   const ImageRgba8 window = read_png(place_ / "broken.png");
-  EXPECT_GT(reddish_right_of(window, window.width_px - WindowLayout::column_width_px), 200)
-      << "the compiler's words";
+  EXPECT_GT(fault_pixels(window), 200) << "the compiler's words";
   // Dragged to the right by 72 pixels: about 0.29 rad.
   const sim::PoseTrace trace = sim::read_trace(place_ / "live.trace").trace;
   const auto yaw = [](const Pose& pose) {
@@ -187,6 +209,22 @@ wait $live
       yaw(trace.poses().back().world_from_head) - yaw(trace.poses().front().world_from_head);
   EXPECT_GT(turned, 0.15);
   EXPECT_LT(turned, 0.35);
+}
+
+TEST_F(Live, SwitchesStagesByMouseAndSaysWhatDoesNotGoTogether) {
+  write_session("still");
+  const std::string log = drive("--screenshot eyes.png", R"sh(
+click Figures; click Stages
+click pipeline.warp; click pipeline.warp=volumetric; said 'pipeline.warp = volumetric in'
+click pipeline.stereo; click pipeline.stereo=novel_view; said 'is refused'
+click pipeline.rays; click pipeline.rays=mab; said 'pipeline.rays = mab in'
+)sh");
+  EXPECT_THAT(log, HasSubstr("live: pipeline.warp = volumetric in "));
+  EXPECT_THAT(log,
+              HasSubstr("live: pipeline.stereo = novel_view is refused: warp/volumetric does not work with"));
+  // The next choice is made with the stereo stage of before.
+  EXPECT_THAT(log, HasSubstr("live: pipeline.rays = mab in "));
+  EXPECT_TRUE(std::filesystem::exists(place_ / "eyes.png"));
 }
 
 TEST_F(Live, RefusesWhatItCannotShow) {

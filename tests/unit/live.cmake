@@ -2,5 +2,6 @@ brace_test(live_test LABEL unit LIBRARIES brace::live brace_imgui SOURCES
   ${CMAKE_CURRENT_LIST_DIR}/live/frame_history_test.cpp
   ${CMAKE_CURRENT_LIST_DIR}/live/head_control_test.cpp
   ${CMAKE_CURRENT_LIST_DIR}/live/overlay_test.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/live/stage_panel_test.cpp
   ${CMAKE_CURRENT_LIST_DIR}/live/vsync_pace_test.cpp
   ${CMAKE_CURRENT_LIST_DIR}/live/window_picture_test.cpp)

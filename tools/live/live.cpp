@@ -1,6 +1,7 @@
 // brace live: the simulated headset in a window.
 #include <algorithm>
 #include <chrono>
+#include <fstream>
 #include <thread>
 
 #include <fmt/core.h>
@@ -13,6 +14,7 @@
 #include "tools/live/live_head.hpp"
 #include "tools/live/live_scale.hpp"
 #include "tools/live/overlay_figures.hpp"
+#include "tools/live/stage_panel.hpp"
 #include "tools/live/vsync_pace.hpp"
 #include "tools/live/window.hpp"
 
@@ -61,8 +63,9 @@ void print_figures(const FrameHistory& history, const LiveCommand& command) {
 class LiveRun {
  public:
   LiveRun(const LiveCommand& command, const gpu::Device& device, LiveWindow& window, Overlay& overlay,
-          LiveHead& head, LiveEyes& eyes)
+          LiveHead& head, LiveEyes& eyes, Overrides& overrides)
       : command_(command),
+        overrides_(overrides),
         window_(window),
         overlay_(overlay),
         head_(head),
@@ -113,10 +116,27 @@ class LiveRun {
     const SimTime before = looked_;
     const auto words = eyes_.reload_if_saved();
     if (!words) return;
-    facts_.fault = *words;
-    if (!facts_.fault.empty()) overlay_on_ = true;
-    facts_.message = fmt::format("reloaded in {:.0f} ms", ms_between(before, clock_.now()));
-    fmt::print(stderr, "live: {}\n", facts_.fault.empty() ? facts_.message : facts_.fault);
+    tell(*words, "reloaded", before);
+  }
+
+  /// What became of a change that began then; `fault` is empty when it was made.
+  void tell(const std::string& fault, const std::string& done, SimTime began) {
+    facts_.fault = fault;
+    if (!fault.empty()) overlay_on_ = true;
+    facts_.message = fmt::format("{} in {:.0f} ms", done, ms_between(began, clock_.now()));
+    fmt::print(stderr, "live: {}\n", fault.empty() ? facts_.message : fault);
+  }
+
+  /// The session with another setting; the one before stays in force where that is refused.
+  void apply(const Setting& setting) {
+    const SimTime began = clock_.now();
+    const Overrides before = overrides_;
+    std::erase_if(overrides_, [&](const auto& entry) { return entry.first == setting.key; });
+    overrides_.emplace_back(setting.key, setting.value);
+    const std::string refusal = eyes_.remake();
+    if (!refusal.empty()) overrides_ = before;
+    const std::string done = setting.key + " = " + setting.value;
+    tell(refusal.empty() ? refusal : done + " is refused: " + refusal, done, began);
   }
 
   void show_frame() {
@@ -170,10 +190,36 @@ class LiveRun {
     const SimTime now = clock_.now();
     overlay_.begin(picture_.width_px, picture_.height_px, to_s(now - overlaid_));
     overlaid_ = now;
-    if (overlay_.begin_panel("column", layout.column)) figures_panel(overlay_, facts_, history_);
+    std::optional<Setting> setting;
+    if (overlay_.begin_panel("column", layout.column)) {
+      figures_panel(overlay_, facts_, history_);
+      if (overlay_.heading("Stages"))
+        setting = stages_.show(overlay_, eyes_.session().pipeline, eyes_.stages(), stage_notes());
+    }
     overlay_.end_panel();
     timeline_panel(overlay_, facts_, history_, layout.strip);
     overlay_.end(picture_);
+    write_widgets();
+    if (setting) apply(*setting);
+  }
+
+  std::map<std::string, std::string> stage_notes() const {
+    std::map<std::string, std::string> notes;
+    for (const char* family : {"schedule", "predict", "control"})
+      notes[family] = "no effect in the window";
+    const SceneOnDevice& scene = eyes_.scene();
+    if (!scene.skip_reason.empty()) notes["skip"] = scene.skip_stage.stage.id() + ": " + scene.skip_reason;
+    return notes;
+  }
+
+  void write_widgets() {
+    if (command_.widgets.empty()) return;
+    const std::string places = places_text(overlay_.places());
+    if (places == widgets_) return;
+    widgets_ = places;
+    const std::string fresh = command_.widgets + ".new";
+    std::ofstream(fresh) << places;
+    std::filesystem::rename(fresh, command_.widgets);  // whole, or not at all
   }
 
   void set_title() {
@@ -203,6 +249,7 @@ class LiveRun {
   }
 
   const LiveCommand& command_;
+  Overrides& overrides_;  // that the eyes' session is read with
   LiveWindow& window_;
   Overlay& overlay_;
   LiveHead& head_;
@@ -213,6 +260,8 @@ class LiveRun {
   LiveClock clock_;
   FrameHistory history_;
   OverlayFacts facts_;
+  StagePanel stages_;
+  std::string widgets_;  // last written
   bool overlay_on_ = true;
   SimTime steered_{}, looked_{}, overlaid_{}, titled_{};
   std::int64_t frame_ = 0;
@@ -257,10 +306,13 @@ int live_command(const LiveCommand& command) {
   }
   LiveEyes eyes(
       device, options,
-      [&] { return read_session(command.session, overrides, make_stages(command.plugin_path).registry); },
+      [&] {
+        const StageRegistry registry = make_stages(command.plugin_path).registry;
+        return LiveEyes::Read{read_session(command.session, overrides, registry), registry.stages()};
+      },
       first_pose);
   {
-    LiveRun run(command, device, window, overlay, head, eyes);
+    LiveRun run(command, device, window, overlay, head, eyes, overrides);
     run.run();
   }
   if (!device.validation_messages().empty())

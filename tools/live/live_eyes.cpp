@@ -5,14 +5,27 @@
 
 namespace brace {
 
-LiveEyes::State::State(const gpu::Device& device, const ReplayOptions& options, Session taken,
-                       const Pose& first_pose, std::shared_ptr<SceneOnDevice> loaded)
-    : session(std::move(taken)),
+namespace {
+
+std::shared_ptr<SceneOnDevice> load_for(const gpu::Device& device, const ReplayOptions& options,
+                                        const Session& session, const Headset& headset,
+                                        const VolumePlacement& placement, const SceneOnDevice* volume_of) {
+  return load_scene(device, session, options, headset, placement, volume_of);
+}
+
+}  // namespace
+
+LiveEyes::State::State(const gpu::Device& device, const ReplayOptions& options, Read read,
+                       const Pose& first_pose, const State* before, Keep keep)
+    : session(std::move(read.session)),
+      stages(std::move(read.stages)),
       headset(make_headset(session, options.data_folder)),
       placement(place_volume(session.scene, first_pose)),
-      scene(loaded
-                ? std::move(loaded)
-                : std::shared_ptr<SceneOnDevice>(load_scene(device, session, options, headset, placement))),
+      scene(keep == Keep::scene
+                ? before->scene
+                : load_for(device, options, session, headset, placement,
+                           keep == Keep::volume && same_volume(session, before->session) ? before->scene.get()
+                                                                                         : nullptr)),
       renderer(device, session, headset, *scene, placement, options.data_folder, EyeRenderer::Counting::on,
                nullptr, EyeRenderer::SecondEye::as_session, EyeRenderer::Layers::as_session),
       display(device, headset, session.pipeline.at("warp"), options.no_warp,
@@ -25,7 +38,8 @@ LiveEyes::LiveEyes(const gpu::Device& device, const ReplayOptions& options, Read
       options_(options),
       read_(std::move(read)),
       first_pose_(first_pose),
-      now_(std::make_unique<State>(device, options, read_(), first_pose, nullptr)),
+      now_(std::make_unique<State>(device, options, read_(), first_pose, nullptr, State::Keep::nothing)),
+      volume_stamps_(volume_stamps()),
       scene_stamps_(scene_stamps()),
       kernel_stamps_(kernel_stamps()) {}
 
@@ -70,20 +84,36 @@ LiveEyes::Stamps LiveEyes::kernel_stamps() const {
   return stamps;
 }
 
+LiveEyes::Stamps LiveEyes::volume_stamps() const {
+  Stamps stamps;
+  add_stamp(stamps, session().scene.volume);
+  return stamps;
+}
+
 std::optional<std::string> LiveEyes::reload_if_saved() {
-  Stamps scene = scene_stamps(), kernels = kernel_stamps();
-  const bool same_scene = scene == scene_stamps_;
+  Stamps volume = volume_stamps(), scene = scene_stamps(), kernels = kernel_stamps();
+  const bool same_values = volume == volume_stamps_, same_scene = same_values && scene == scene_stamps_;
   if (same_scene && kernels == kernel_stamps_) return std::nullopt;
+  volume_stamps_ = std::move(volume);
   scene_stamps_ = std::move(scene);
   kernel_stamps_ = std::move(kernels);
+  return make(same_scene ? State::Keep::scene : same_values ? State::Keep::volume : State::Keep::nothing);
+}
+
+std::string LiveEyes::remake() {
+  return make(State::Keep::volume);
+}
+
+std::string LiveEyes::make(State::Keep keep) {
   try {
-    auto next =
-        std::make_unique<State>(device_, options_, read_(), first_pose_, same_scene ? now_->scene : nullptr);
-    now_ = std::move(next);
-    return std::string();
+    now_ = std::make_unique<State>(device_, options_, read_(), first_pose_, now_.get(), keep);
   } catch (const Error& error) {
     return error.what();
   }
+  volume_stamps_ = volume_stamps();
+  scene_stamps_ = scene_stamps();
+  kernel_stamps_ = kernel_stamps();
+  return {};
 }
 
 }  // namespace brace

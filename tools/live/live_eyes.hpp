@@ -17,12 +17,19 @@ namespace brace {
 /// device and what the options name must outlive it.
 class LiveEyes {
  public:
-  using ReadSession = std::function<Session()>;  // with the stages as they are on disk now
+  /// A session, and every stage that it could name.
+  struct Read {
+    Session session;
+    std::vector<StageInfo> stages{};
+  };
+  using ReadSession = std::function<Read()>;  // with the stages as they are on disk now
 
   LiveEyes(const gpu::Device& device, const ReplayOptions& options, ReadSession read, const Pose& first_pose);
 
   const Session& session() const { return now_->session; }
   const Headset& headset() const { return now_->headset; }
+  const SceneOnDevice& scene() const { return *now_->scene; }
+  const std::vector<StageInfo>& stages() const { return now_->stages; }
 
   struct Times {
     double opening_ms = 0.0, cast_ms = 0.0, closing_ms = 0.0, warp_ms = 0.0;  // device time
@@ -36,13 +43,18 @@ class LiveEyes {
   /// or the scene as well. What went wrong, in the words of the compiler or reader; the old ones go on then.
   /// Empty: nothing did.
   std::optional<std::string> reload_if_saved();
+  /// Makes everything anew that depends on what the session reads as now; the volume stays where it is the
+  /// same. The same words.
+  std::string remake();
 
  private:
   struct State {
-    /// `scene`: one to go on with, or null to load it.
-    State(const gpu::Device& device, const ReplayOptions& options, Session session, const Pose& first_pose,
-          std::shared_ptr<SceneOnDevice> scene);
+    /// `before`: null, or what may give its scene, or its volume alone.
+    enum class Keep { nothing, volume, scene };
+    State(const gpu::Device& device, const ReplayOptions& options, Read read, const Pose& first_pose,
+          const State* before, Keep keep);
     Session session;
+    std::vector<StageInfo> stages;
     Headset headset;
     VolumePlacement placement;
     std::shared_ptr<SceneOnDevice> scene;
@@ -52,6 +64,8 @@ class LiveEyes {
   };
   using Stamp = std::pair<std::filesystem::path, std::filesystem::file_time_type>;
   using Stamps = std::vector<Stamp>;
+  std::string make(State::Keep keep);
+  Stamps volume_stamps() const;
   Stamps scene_stamps() const;  // session, transfer function, manifests, the skip stage
   Stamps kernel_stamps() const;
 
@@ -60,7 +74,7 @@ class LiveEyes {
   ReadSession read_;
   Pose first_pose_;
   std::unique_ptr<State> now_;
-  Stamps scene_stamps_, kernel_stamps_;
+  Stamps volume_stamps_, scene_stamps_, kernel_stamps_;
 };
 
 }  // namespace brace

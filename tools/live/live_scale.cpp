@@ -21,7 +21,8 @@ double time_ms(const gpu::Device& device, const ReplayOptions& options, const Li
   Overrides overrides = parse_settings(command.set);
   overrides.emplace_back("device.resolution_scale", fmt::format("{}", scale));
   LiveEyes eyes(
-      device, options, [&] { return read_session(command.session, overrides, stages); }, head.at(SimTime()));
+      device, options, [&] { return LiveEyes::Read{read_session(command.session, overrides, stages)}; },
+      head.at(SimTime()));
   double slowest_ms = 0.0;
   for (const SimTime time : {SimTime(), SimTime(from_s(2.0))}) {
     const Pose pose = head.at(time);

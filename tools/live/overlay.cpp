@@ -66,7 +66,15 @@ void Overlay::end_panel() {
   in_panel_ = false;
 }
 
+bool Overlay::heading(const char* name, bool open_at_first) {
+  const bool open =
+      ImGui::CollapsingHeader(name, open_at_first ? ImGuiTreeNodeFlags_DefaultOpen : ImGuiTreeNodeFlags_None);
+  note_place(name);
+  return open;
+}
+
 void Overlay::note_place(const std::string& name) {
+  if (!ImGui::IsItemVisible()) return;
   const ImVec2 low = ImGui::GetItemRectMin(), high = ImGui::GetItemRectMax();
   places_[name] = {static_cast<int>(low.x), static_cast<int>(low.y), static_cast<int>(high.x - low.x),
                    static_cast<int>(high.y - low.y)};

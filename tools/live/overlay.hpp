@@ -40,7 +40,9 @@ class Overlay {
   /// be ended by end_panel() in either case.
   bool begin_panel(const char* name, const WindowRect& rect);
   void end_panel();
-  /// Remembers where the last widget stands.
+  /// A part of a panel that folds; true while it is open.
+  bool heading(const char* name, bool open_at_first = false);
+  /// Remembers where the last widget stands, if it is in view.
   void note_place(const std::string& name);
 
  private:

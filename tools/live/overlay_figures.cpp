@@ -124,19 +124,24 @@ void figures_panel(Overlay& overlay, const OverlayFacts& facts, const FrameHisto
   text(fmt::format("{} x {} px per eye, head: {}{}", facts.eye_width_px, facts.eye_height_px, facts.head,
                    facts.recording ? ", recording" : ""));
   wrapped(facts.device, grey);
-  if (!facts.fault.empty()) {
-    wrapped(facts.fault, red);
-    overlay.note_place("fault");
-  } else if (!facts.message.empty()) {
-    wrapped(facts.message, grey);
-  }
-  if (history.empty()) return;
+  if (history.empty() || !overlay.heading("Figures", true)) return;
   latencies(history);
   work(history.recent().back().work);
   costs(history, 1e3 / facts.rate_hz);
 }
 
 namespace {
+
+/// What went wrong, or was done last: where it moves no widget.
+void words(Overlay& overlay, const OverlayFacts& facts) {
+  if (!facts.fault.empty()) {
+    wrapped(facts.fault, red);
+    overlay.note_place("fault");
+  } else {
+    wrapped(facts.message.empty() ? "H hides this, Esc ends; drag with the mouse to look" : facts.message,
+            grey);
+  }
+}
 
 /// Bars from the newest at the right edge leftwards; the whole of kept_s fits.
 void draw_bars(const FrameHistory& history, double period_ms, const ImVec2& at, const ImVec2& size) {
@@ -170,7 +175,9 @@ void draw_bars(const FrameHistory& history, double period_ms, const ImVec2& at, 
 
 void timeline_panel(Overlay& overlay, const OverlayFacts& facts, const FrameHistory& history,
                     const WindowRect& strip) {
-  if (overlay.begin_panel("timeline", strip) && !history.empty()) {
+  const bool open = overlay.begin_panel("timeline", strip);
+  if (open) words(overlay, facts);
+  if (open && !history.empty()) {
     std::int64_t missed = 0;
     for (const LiveFrame& frame : history.recent())
       missed += frame.missed;
@@ -178,8 +185,8 @@ void timeline_panel(Overlay& overlay, const OverlayFacts& facts, const FrameHist
     text(fmt::format(
         "intervals of the last {:g} s: lines at 1, 2 and 3 periods of {:.2f} ms; {} vsyncs missed (red)",
         FrameHistory::kept_s, period_ms, missed));
-    const ImVec2 at = ImGui::GetCursorScreenPos();
-    draw_bars(history, period_ms, at, ImGui::GetContentRegionAvail());
+    const ImVec2 at = ImGui::GetCursorScreenPos(), room = ImGui::GetContentRegionAvail();
+    if (room.y >= 8.0f) draw_bars(history, period_ms, at, room);
   }
   overlay.end_panel();
 }

@@ -20,7 +20,8 @@ struct OverlayFacts {
 /// Session, latency, age, work and the cost of every step, in the column.
 void figures_panel(Overlay& overlay, const OverlayFacts& facts, const FrameHistory& history);
 
-/// The intervals of the last seconds as bars, missed vsyncs in red, in the strip.
+/// What went wrong or was done last, and the intervals of the last seconds as bars, missed vsyncs in red, in
+/// the strip.
 void timeline_panel(Overlay& overlay, const OverlayFacts& facts, const FrameHistory& history,
                     const WindowRect& strip);
 

@@ -16,7 +16,7 @@ struct WindowRect {
 /// Where things stand in a window: the eyes, and beside and below them the overlay's parts. A part that the
 /// window is too small for is empty; the eyes never are.
 struct WindowLayout {
-  static constexpr int column_width_px = 400, strip_height_px = 130;
+  static constexpr int column_width_px = 400, strip_height_px = 150;
 
   WindowRect eyes{}, column{}, strip{};
 };

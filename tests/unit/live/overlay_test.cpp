@@ -144,7 +144,7 @@ int reddish(const ImageRgba8& picture, const WindowRect& rect) {
   for (int y = rect.y; y < rect.y + rect.height; ++y)
     for (int x = rect.x; x < rect.x + rect.width; ++x) {
       const Rgba8 pixel = picture.at(x, y);
-      count += pixel.r > 180 && pixel.g < 120 && pixel.b < 120;
+      count += pixel.r > 200 && pixel.g < 100 && pixel.b < 100;
     }
   return count;
 }

@@ -63,7 +63,7 @@ TEST(WindowPicture, LeavesTheRestOfTheWindowAsItIs) {
 
 TEST(WindowLayout, GivesEveryPixelToOnePartAndTheEyesWhatIsLeft) {
   for (const int width : {1, 150, 599, 600, 1200, 4000})
-    for (const int height : {1, 200, 329, 330, 640, 3000})
+    for (const int height : {1, 200, 349, 350, 640, 3000})
       for (const bool overlay : {false, true}) {
         const WindowLayout layout = lay_out(width, height, overlay);
         const auto area = [](const WindowRect& rect) { return rect.width * rect.height; };
@@ -71,7 +71,7 @@ TEST(WindowLayout, GivesEveryPixelToOnePartAndTheEyesWhatIsLeft) {
         EXPECT_GT(layout.eyes.width, 0);
         EXPECT_GT(layout.eyes.height, 0);
         EXPECT_EQ(layout.column.width > 0, overlay && width >= 600);
-        EXPECT_EQ(layout.strip.width > 0, overlay && height >= 330);
+        EXPECT_EQ(layout.strip.width > 0, overlay && height >= 350);
       }
 }
 
