@@ -9,6 +9,7 @@
 #include "runtime/replay/replay.hpp"
 #include "tools/command.hpp"
 #include "tools/interrupt.hpp"
+#include "tools/live/view_colours.hpp"
 
 namespace {
 
@@ -135,6 +136,12 @@ void add_live(CLI::App& app, LiveCommand& command, Action& action) {
   live->add_option(
       "--widgets", command.widgets,
       "Text file to keep the places of the overlay's widgets in (x y width height name), for scripts");
+  live->add_option(
+          "--view", command.view,
+          "What is shown of the eyes: the picture, its difference or dssim from the ideal one, levels of "
+          "rays/mab, skip_steps or samples of each ray, depth of its first visible sample")
+      ->check(CLI::IsMember(std::vector<std::string>(view_names.begin(), view_names.end())))
+      ->capture_default_str();
   live->add_option("--pace", command.pace,
                    "What pictures wait for: vsyncs at --rate, those of the window's display, or nothing")
       ->check(CLI::IsMember({"simulated", "window", "free"}))
@@ -144,9 +151,8 @@ void add_live(CLI::App& app, LiveCommand& command, Action& action) {
   add_plugin_path_option(*live, command.plugin_path);
   live->footer(
       "Keys: drag with the mouse to look, WASD or arrows to move, Q and E down and up, T back to the trace,\n"
-      "R record (live.trace), P pictures (live-FRAME.png and -window.png), H hides the overlay, Esc ends. "
-      "Saved stages are compiled and swapped "
-      "in.\n\n"
+      "R record (live.trace), P pictures (live-FRAME.png and -window.png), H hides the overlay,\n"
+      "1 to 7 choose the view, Esc ends. Saved stages are compiled and swapped in.\n\n"
       "Example:\n  brace live examples/demo.toml\n"
       "  xvfb-run brace live examples/demo.toml --frames 60 --screenshot eyes.png");
   live->callback([&] { action = [&] { return live_command(command); }; });

@@ -17,7 +17,8 @@ bool is_native(const Session& session, const char* family) {
 
 CastKernels session_kernels(const Session& session, const SceneOnDevice& scene,
                             const VolumePlacement& placement, const std::filesystem::path& data_folder,
-                            bool counters, bool emits, bool layers) {
+                            bool counters, bool emits, bool layers,
+                            EyeRenderer::RayHeat heat = EyeRenderer::RayHeat::none) {
   std::vector<const PipelineStage*> stages = {&session.pipeline.at("rays"), &session.pipeline.at("cast"),
                                               &scene.skip_stage};
   if (emits) stages.push_back(&session.pipeline.at("stereo"));
@@ -34,7 +35,14 @@ CastKernels session_kernels(const Session& session, const SceneOnDevice& scene,
   parts.layers_by_ray = layers && session.pipeline.at("rays").stage.id() == "rays/mab";
   parts.native_rays = is_native(session, "rays");
   parts.native_cast = is_native(session, "cast");
-  return compose_cast_kernels(parts, scene.volume);
+  CastKernels kernels = compose_cast_kernels(parts, scene.volume);
+  if (heat != EyeRenderer::RayHeat::none) {
+    BRACE_CHECK(counters);
+    kernels.cast.defines.emplace_back("BRACE_RAY_HEAT", heat == EyeRenderer::RayHeat::samples
+                                                            ? "brace_count_samples"
+                                                            : "brace_count_skip_steps");
+  }
+  return kernels;
 }
 
 /// Of every renderer of a watched run: what one of them finds, the others survive.
@@ -116,7 +124,7 @@ EyePair make_eye_pair(const gpu::Device& device, const Session& session, const H
 EyeRenderer::EyeRenderer(const gpu::Device& device, const Session& session, const Headset& headset,
                          const SceneOnDevice& scene, const VolumePlacement& placement,
                          const std::filesystem::path& data_folder, Counting counting, Watchdog* watchdog,
-                         SecondEye second_eye, Layers layers)
+                         SecondEye second_eye, Layers layers, RayHeat heat)
     : device_(device),
       session_(session),
       headset_(headset),
@@ -125,7 +133,7 @@ EyeRenderer::EyeRenderer(const gpu::Device& device, const Session& session, cons
       counting_(counting),
       makes_layers_(layers == Layers::as_session && takes_layers(session.pipeline.at("warp"))),
       pipeline_(device, session_kernels(session, scene, placement, data_folder, counting == Counting::on,
-                                        !is_single_pass(session), makes_layers_)),
+                                        !is_single_pass(session), makes_layers_, heat)),
       mab_(make_mab(device, session, headset)),
       own_rays_(mab_ ? RayBuffers()
                      : RayBuffers(device, headset.eye.width_px, headset.eye.height_px, guard_bytes(session))),

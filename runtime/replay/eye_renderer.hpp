@@ -38,13 +38,18 @@ class EyeRenderer {
   /// some.
   enum class Layers { none, as_session };
 
+  /// What a ray's colour is instead of the volume's: grey by the count of its work, (1 + 254 h) / 255 with h
+  /// = min(log2(1 + count) / 10, 1); a ray that misses the volume stays black. Of cast stages in GLSL alone.
+  enum class RayHeat { none, samples, skip_steps };
+
   /// The session's stages for rays, cast, skip and stereo are taken from its pipeline; any may be native.
   /// Throws device_error when a stage cannot be activated. `watchdog` may be null; what it watches is checked
   /// after every eye.
   EyeRenderer(const gpu::Device& device, const Session& session, const Headset& headset,
               const SceneOnDevice& scene, const VolumePlacement& placement,
               const std::filesystem::path& data_folder, Counting counting, Watchdog* watchdog = nullptr,
-              SecondEye second_eye = SecondEye::as_session, Layers layers = Layers::none);
+              SecondEye second_eye = SecondEye::as_session, Layers layers = Layers::none,
+              RayHeat heat = RayHeat::none);
 
   /// `quality`: the share of the rays that load control asks for; only rays/mab can cast fewer.
   JobOutcome render(const Pose& world_from_head, const EyePair& into, double quality = 1.0);

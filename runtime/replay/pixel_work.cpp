@@ -4,43 +4,9 @@
 
 #include <fmt/core.h>
 
-#include "base/error.hpp"
 #include "runtime/metrics/image_error.hpp"
-#include "runtime/replay/cast_integrator.hpp"
 
 namespace brace {
-
-namespace {
-
-/// The session of ideal pictures: lit as asked for, a ray per pixel, and where the session asks for them
-/// converged ones.
-Session ideal_session(Session session, const PipelineStage& rays) {
-  session.pipeline.at("rays") = rays;
-  session.scene.shading = session.plan.shading;
-  if (!session.output.converged_ideal) return session;
-  if (const auto converged = converged_session(session)) return *converged;
-  throw input_error(
-      "{}: output.ideal = 'converged' is made by cast/dvr; accepted with pipeline.cast = '{}': session",
-      session.file.string(), session.pipeline.at("cast").stage.name);
-}
-
-std::unique_ptr<SceneOnDevice> scene_of_ideal(const PixelWork::Inputs& in, const Session& session) {
-  if (!session.output.converged_ideal) return nullptr;
-  ReplayOptions options = in.options;
-  options.messages = false;
-  return load_scene(in.device, session, options, in.headset, in.placement);
-}
-
-}  // namespace
-
-PixelWork::Ideal::Ideal(const Inputs& in)
-    : session(ideal_session(in.session, in.options.full_rate)),
-      own_scene(scene_of_ideal(in, session)),
-      scene(own_scene ? *own_scene : in.scene),
-      renderer(in.device, session, in.headset, scene, in.placement, in.options.data_folder,
-               EyeRenderer::Counting::off, nullptr, EyeRenderer::SecondEye::ray_cast),
-      display(in.device, in.headset, in.options.no_warp, in.options.data_folder),
-      eyes(make_eye_pair(in.device, in.headset.eye)) {}
 
 PixelWork::PixelWork(const Inputs& inputs)
     : in_(inputs),
@@ -56,7 +22,7 @@ PixelWork::PixelWork(const Inputs& inputs)
   for (EyePair& slot : slots_)
     slot = make_eye_pair(inputs.device, inputs.session, inputs.headset);
   if (!error_at_.any()) return;
-  ideal_.emplace(in_);
+  ideal_.emplace(in_.device, in_.session, in_.headset, in_.scene, in_.placement, in_.options);
   for (const sim::Eye eye : sim::all_eyes) {
     visible_[static_cast<std::size_t>(eye)] = visible_pixels(in_.headset, eye);
   }
@@ -65,7 +31,7 @@ PixelWork::PixelWork(const Inputs& inputs)
 JobOutcome PixelWork::show_transfer(std::int64_t version) {
   const JobOutcome outcome = in_.scene.show_transfer(in_.device, version);
   renderer_.transfer_changed();
-  if (ideal_ && !ideal_->own_scene) ideal_->renderer.transfer_changed();
+  if (ideal_ && !ideal_->has_own_scene()) ideal_->transfer_changed();
   return outcome;
 }
 
@@ -98,23 +64,21 @@ ShowOutcome PixelWork::show(const ShowRequest& request) {
 }
 
 void PixelWork::show_ideal_transfer(std::int64_t version) {
-  if (ideal_->scene.transfer_version == version) return;
-  if (!ideal_->own_scene) {
+  if (ideal_->scene().transfer_version == version) return;
+  if (!ideal_->has_own_scene()) {
     show_transfer(version);
     return;
   }
-  ideal_->scene.show_transfer(in_.device, version);
-  ideal_->renderer.transfer_changed();
+  ideal_->scene().show_transfer(in_.device, version);
+  ideal_->transfer_changed();
 }
 
 ShowOutcome PixelWork::measure_error(const ShowRequest& request) {
   const Pose& true_world_from_head = request.true_world_from_head;
   const std::int64_t shown_version = in_.scene.transfer_version;
   show_ideal_transfer(request.transfer_version);
-  ideal_->renderer.render(true_world_from_head, ideal_->eyes);
-  ideal_->display.show({ideal_->eyes, true_world_from_head, true_world_from_head});
-  const PanelPair ideal = ideal_->display.read();
-  if (!ideal_->own_scene) show_ideal_transfer(shown_version);  // what is cast next still shows it
+  const PanelPair ideal = ideal_->show(true_world_from_head);
+  if (!ideal_->has_own_scene()) show_ideal_transfer(shown_version);  // what is cast next still shows it
   return {dssim_from_ssim(ssim(shown_[0], ideal[0], visible_[0])),
           dssim_from_ssim(ssim(shown_[1], ideal[1], visible_[1]))};
 }

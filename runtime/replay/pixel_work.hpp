@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "runtime/frame/frame_work.hpp"
+#include "runtime/replay/ideal_picture.hpp"
 #include "runtime/replay/panel_display.hpp"
 #include "runtime/replay/vsync_selection.hpp"
 #include "runtime/report/report_input.hpp"
@@ -43,17 +44,6 @@ class PixelWork final : public FrameWork {
   const PanelDisplay& display() const { return display_; }
 
  private:
-  /// An ideal render: full quality, the true pose and transfer function of photon time, no warp.
-  struct Ideal {
-    explicit Ideal(const Inputs& in);
-    Session session;  // the run's, with a ray for every pixel; with output.ideal = "converged" finer steps
-    std::unique_ptr<SceneOnDevice> own_scene;  // null where the run's serves
-    SceneOnDevice& scene;
-    EyeRenderer renderer;
-    PanelDisplay display;
-    EyePair eyes;
-  };
-
   JobOutcome show_transfer(std::int64_t version);
   void show_ideal_transfer(std::int64_t version);
   ShowOutcome measure_error(const ShowRequest& request);
@@ -64,8 +54,8 @@ class PixelWork final : public FrameWork {
   EyeRenderer renderer_;
   std::array<EyePair, frame_slots> slots_;
   PanelDisplay display_;
-  PanelPair waiting_, shown_;  // of the last warp; of the panels
-  std::optional<Ideal> ideal_;
+  PanelPair waiting_, shown_;          // of the last warp; of the panels
+  std::optional<IdealPicture> ideal_;  // of the errors
   std::array<std::vector<std::uint8_t>, 2> visible_;
   std::vector<EyePicture> pictures_;
 };

@@ -48,14 +48,27 @@ TransferVersions::TransferVersions(const Session::Scene& scene, sim::Rate refres
   schedule_ = transfer_schedule(scene, refresh);
 }
 
-TransferTable TransferVersions::bake_state(const State& state) const {
+TransferFunction TransferVersions::resolve_state(const State& state) const {
   TransferFunction function = state.function;
   if (state.window || state.level) {
     const ValueRange range = target_.data_range;
     function = with_window(function, {.level = state.level.value_or(0.5 * (range.min + range.max)),
                                       .width = state.window.value_or(range.max - range.min)});
   }
-  return bake(resolve(function, target_.data_range, target_.voxel_length_m), target_.layout);
+  return resolve(function, target_.data_range, target_.voxel_length_m);
+}
+
+TransferTable TransferVersions::bake_state(const State& state) const {
+  return bake(resolve_state(state), target_.layout);
+}
+
+TransferFunction TransferVersions::first_resolved() const {
+  return resolve_state(animation_ ? animated(0.0) : states_.front());
+}
+
+void TransferVersions::replace_first(TransferFunction resolved) {
+  animation_.reset();
+  states_.front() = {std::move(resolved), std::nullopt, std::nullopt};
 }
 
 TransferVersions::State TransferVersions::animated(double phase) const {

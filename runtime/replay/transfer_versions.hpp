@@ -30,6 +30,12 @@ class TransferVersions {
                    const Target& target);
 
   TransferTable table(std::int64_t version) const;
+  /// Version 0 as table() bakes it: in data units, per voxel length, the session's window in it.
+  TransferFunction first_resolved() const;
+  /// Puts such a function in the place of version 0; the session's window no longer counts there, and an
+  /// animation ends.
+  void replace_first(TransferFunction resolved);
+
   const TransferSchedule& schedule() const { return schedule_; }
   bool changes() const { return states_.size() > 1 || animation_; }
 
@@ -42,6 +48,7 @@ class TransferVersions {
     TransferFunction function;
     std::optional<double> window, level;
   };
+  TransferFunction resolve_state(const State& state) const;
   TransferTable bake_state(const State& state) const;
   State animated(double phase) const;  // 0: from, 1: to
 

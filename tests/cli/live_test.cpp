@@ -7,79 +7,22 @@
 
 #include "base/image.hpp"
 #include "hmd_sim/trace_io.hpp"
-#include "tests/cli/command.hpp"
+#include "tests/cli/live_fixture.hpp"
 #include "tools/live/window_picture.hpp"
 
 namespace brace {
 namespace {
 
+using test::live_session;
 using test::Outcome;
 using test::RunOptions;
 using test::Workplace;
+using Live = test::Live;
 using ::testing::HasSubstr;
-
-const std::string session = R"([device]
-profile = "htc-vive"
-resolution_scale = 0.06
-tracker = "ideal"
-[trace]
-neck = { motion = "MOTION", degrees = 30, seconds = 1 }
-[scene]
-volume = "generator:nested_shells:24"
-transfer_function = "ct-soft-tissue"
-size_m = 0.5
-position = "front:0.7"
-[clock]
-cost = "model:gtx-1080"
-[output]
-images = "list:3"
-error = "none"
-[run]
-frames = 4
-)";
-
-/// For scripts that drive the window: `shown` waits for it, `click` a widget of the overlay by its name,
-/// `said` waits for words in live.log.
-const std::string window_functions = R"sh(
-shown() { for i in $(seq 600); do xdotool search --name ' fps' >/dev/null 2>&1 && break; sleep 0.05; done; }
-at() { awk -v n="$1" '$5 == n { print int($1 + $3 / 2), int($2 + $4 / 2) }' widgets.txt 2>/dev/null; }
-click() {
-  for i in $(seq 200); do [ -n "$(at "$1")" ] && break; sleep 0.05; done
-  [ -n "$(at "$1")" ] || { echo "no widget $1" >>live.log; return; }
-  xdotool mousemove $(at "$1"); sleep 0.2; xdotool mousedown 1; sleep 0.15; xdotool mouseup 1; sleep 0.15
-}
-said() { for i in $(seq 300); do grep -q -- "$1" live.log && return; sleep 0.1; done; echo "never said: $1" >>live.log; }
-)sh";
-
-class Live : public ::testing::Test {
- protected:
-  void SetUp() override {
-    for (const char* tool : {"/usr/bin/xvfb-run", "/usr/bin/xdotool"}) {
-      if (!std::filesystem::exists(tool)) GTEST_SKIP() << tool << " is not installed: no window to look at";
-    }
-    display_.on_virtual_display = true;
-  }
-  void write_session(const std::string& motion) {
-    std::string text = session;
-    text.replace(text.find("MOTION"), 6, motion);
-    place_.write("s.toml", text);
-  }
-  /// `brace live s.toml` with these options beside a script that drives it; returns what it said.
-  std::string drive(const std::string& options, const std::string& script) {
-    place_.write("drive.sh", window_functions + "\"$1\" live s.toml --keep-scale --rate 60 --frames 20000 " +
-                                 "--widgets widgets.txt " + options + " >>live.log 2>&1 &\nlive=$!\nshown\n" +
-                                 script + "\nxdotool key Escape\nwait $live\n");
-    const Outcome outcome = place_.command({"/bin/bash", "drive.sh", BRACE_PROGRAM}, display_);
-    EXPECT_EQ(outcome.exit_code, 0) << outcome.err << place_.read("live.log");
-    return place_.read("live.log");
-  }
-  Workplace place_;
-  RunOptions display_;
-};
 
 TEST(LiveWithoutADisplay, SaysWhatToDo) {
   const Workplace place;
-  place.write("s.toml", session);
+  place.write("s.toml", live_session);
   RunOptions options;
   options.environment = {{"DISPLAY", ""}, {"WAYLAND_DISPLAY", ""}};
   const Outcome outcome = place.brace({"live", "s.toml", "--set", "trace.neck.motion=still"}, options);
@@ -156,7 +99,7 @@ TEST_F(Live, RecordsATraceThatReplaysToTheSamePoses) {
   ASSERT_EQ(recorded.poses().size(), 25U);
   EXPECT_EQ(recorded.begin_time(), SimTime());
   place_.write("again.toml", [&] {
-    std::string text = session;
+    std::string text = live_session;
     const std::size_t at = text.find("neck = "), end = text.find('\n', at);
     return text.replace(at, end - at, "file = \"head.trace\"");
   }());
@@ -228,7 +171,7 @@ click pipeline.rays; click pipeline.rays=mab; said 'pipeline.rays = mab in'
 }
 
 TEST_F(Live, RefusesWhatItCannotShow) {
-  place_.write("s.toml", session + "[compare]\nkey = 'run.seed'\nvalues = [1, 2]\n");
+  place_.write("s.toml", live_session + "[compare]\nkey = 'run.seed'\nvalues = [1, 2]\n");
   const Outcome compare = place_.brace({"live", "s.toml", "--set", "trace.neck.motion=still"}, display_);
   EXPECT_EQ(compare.exit_code, 2);
   EXPECT_THAT(compare.out + compare.err, HasSubstr("[compare]"));

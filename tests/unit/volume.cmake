@@ -16,6 +16,7 @@ brace_test(volume_test LABEL unit
     ${CMAKE_CURRENT_LIST_DIR}/volume/statistics_test.cpp
     ${CMAKE_CURRENT_LIST_DIR}/volume/streaming_test.cpp
     ${CMAKE_CURRENT_LIST_DIR}/volume/support.cpp
-    ${CMAKE_CURRENT_LIST_DIR}/volume/transfer_function_test.cpp)
+    ${CMAKE_CURRENT_LIST_DIR}/volume/transfer_function_test.cpp
+    ${CMAKE_CURRENT_LIST_DIR}/volume/write_transfer_function_test.cpp)
 target_include_directories(volume_test SYSTEM PRIVATE ${BRACE_NIFTIIO_INCLUDE})
 target_compile_definitions(volume_test PRIVATE BRACE_SOURCE_DIR="${PROJECT_SOURCE_DIR}")

@@ -8,6 +8,7 @@
 
 #include "base/error.hpp"
 #include "runtime/replay/series_facts.hpp"
+#include "runtime/volume/write_transfer_function.hpp"
 #include "tools/command.hpp"
 #include "tools/interrupt.hpp"
 #include "tools/live/live_eyes.hpp"
@@ -15,6 +16,8 @@
 #include "tools/live/live_scale.hpp"
 #include "tools/live/overlay_figures.hpp"
 #include "tools/live/stage_panel.hpp"
+#include "tools/live/transfer_panel.hpp"
+#include "tools/live/view_panel.hpp"
 #include "tools/live/vsync_pace.hpp"
 #include "tools/live/window.hpp"
 
@@ -76,6 +79,8 @@ class LiveRun {
     facts_.session = eyes.session().name;
     facts_.device = device.info().name;
     facts_.rate_hz = command.rate_hz;
+    if (const std::string refusal = eyes.set_view(*view_of(command.view)); !refusal.empty())
+      throw input_error("--view: {}", refusal);
   }
 
   void run() {
@@ -94,12 +99,16 @@ class LiveRun {
     if (!command_.window_screenshot.empty() && picture_.width_px > 0)
       write_png(command_.window_screenshot, picture_);
     print_figures(history_, command_);
+    if (const std::string words = eyes_.legend().words; !words.empty())
+      fmt::print("  view                  {}: {}\n", name_of(eyes_.view()), words);
   }
 
  private:
   void write_pictures() const {
-    write_png(fmt::format("live-{:06}.png", frame_), side_by_side(panels_));
-    if (picture_.width_px > 0) write_png(fmt::format("live-{:06}-window.png", frame_), picture_);
+    const std::string name = fmt::format("live-{:06}", frame_);
+    const bool other = eyes_.view() != ViewKind::picture;
+    write_png(name + (other ? fmt::format("-{}.png", name_of(eyes_.view())) : ".png"), side_by_side(panels_));
+    if (picture_.width_px > 0) write_png(name + "-window.png", picture_);
   }
 
   void take_keys() {
@@ -108,6 +117,8 @@ class LiveRun {
     steered_ = now;
     if (window_.pressed('R')) recorder_.toggle();
     if (window_.pressed('H')) overlay_on_ = !overlay_on_;
+    for (std::size_t i = 0; i < view_names.size(); ++i)
+      if (window_.pressed(static_cast<char>('1' + i))) set_view(static_cast<ViewKind>(i));
   }
 
   void reload() {
@@ -139,6 +150,11 @@ class LiveRun {
     tell(refusal.empty() ? refusal : done + " is refused: " + refusal, done, began);
   }
 
+  void set_view(ViewKind kind) {
+    const SimTime began = clock_.now();
+    tell(eyes_.set_view(kind), fmt::format("view {}", name_of(kind)), began);
+  }
+
   void show_frame() {
     LiveFrame frame;
     const SimTime render_time = clock_.now();
@@ -154,10 +170,13 @@ class LiveRun {
     const SimTime warped = clock_.now();
     panels_ = eyes_.read();
     const SimTime read = clock_.now();
+    panels_ = eyes_.viewed(std::move(panels_));
+    const SimTime viewed = clock_.now();
     const bool loaded = fill_window();
     const SimTime filled = clock_.now();
     frame.costs.read = ms_between(warped, read);
-    frame.costs.paint = ms_between(read, filled);
+    frame.costs.view = ms_between(read, viewed);
+    frame.costs.paint = ms_between(viewed, filled);
     present(frame, loaded, filled);
     const WarpPose warp_pose = warp_pose_of(eyes_.session().pipeline.at("warp"));
     frame.mtp_rotation_ms = ms_between(warp_pose == WarpPose::none ? render_time : warp_time, frame.shown);
@@ -191,16 +210,41 @@ class LiveRun {
     overlay_.begin(picture_.width_px, picture_.height_px, to_s(now - overlaid_));
     overlaid_ = now;
     std::optional<Setting> setting;
+    std::optional<ViewKind> view;
+    TransferPanel::Change change;
     if (overlay_.begin_panel("column", layout.column)) {
+      facts_panel(facts_, history_);
+      view = view_panel(overlay_, eyes_.view(), eyes_.legend());
       figures_panel(overlay_, facts_, history_);
       if (overlay_.heading("Stages"))
         setting = stages_.show(overlay_, eyes_.session().pipeline, eyes_.stages(), stage_notes());
+      if (overlay_.heading("Transfer"))
+        change =
+            transfer_.show(overlay_, eyes_.transfer(), eyes_.scene().statistics, eyes_.scene().table.range);
     }
     overlay_.end_panel();
     timeline_panel(overlay_, facts_, history_, layout.strip);
     overlay_.end(picture_);
     write_widgets();
     if (setting) apply(*setting);
+    if (view) set_view(*view);
+    take_transfer(change);
+  }
+
+  void take_transfer(const TransferPanel::Change& change) {
+    const SimTime began = clock_.now();
+    if (change.edited) {
+      eyes_.set_transfer(*change.edited);
+      facts_.message = fmt::format("transfer function edited in {:.1f} ms", ms_between(began, clock_.now()));
+    }
+    if (change.save_as.empty()) return;
+    std::string fault;
+    try {
+      write_transfer_function(change.save_as, eyes_.transfer());
+    } catch (const Error& error) {
+      fault = error.what();
+    }
+    tell(fault, "transfer function in " + change.save_as + ", written", began);
   }
 
   std::map<std::string, std::string> stage_notes() const {
@@ -261,6 +305,7 @@ class LiveRun {
   FrameHistory history_;
   OverlayFacts facts_;
   StagePanel stages_;
+  TransferPanel transfer_{"live-transfer.toml"};
   std::string widgets_;  // last written
   bool overlay_on_ = true;
   SimTime steered_{}, looked_{}, overlaid_{}, titled_{};

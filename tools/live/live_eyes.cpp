@@ -44,11 +44,57 @@ LiveEyes::LiveEyes(const gpu::Device& device, const ReplayOptions& options, Read
       kernel_stamps_(kernel_stamps()) {}
 
 LiveEyes::Times LiveEyes::show(const Pose& render_pose, const std::function<Pose()>& warp_pose) {
-  const JobOutcome cast = now_->renderer.render(render_pose, now_->eyes);
-  const JobOutcome warp = now_->display.show({now_->eyes, render_pose, warp_pose()});
-  const EyeRenderer::StepTimes& steps = now_->renderer.step_times();
+  EyeRenderer* const of_view = now_->view ? now_->view->renderer() : nullptr;
+  EyeRenderer& renderer = of_view != nullptr ? *of_view : now_->renderer;
+  render_pose_ = render_pose;
+  const JobOutcome cast = renderer.render(render_pose, now_->eyes);
+  warp_pose_ = warp_pose();
+  const JobOutcome warp = now_->display.show({now_->eyes, render_pose, warp_pose_});
+  const EyeRenderer::StepTimes& steps = renderer.step_times();
   return {to_s(steps.opening) * 1e3, to_s(steps.cast) * 1e3, to_s(steps.closing) * 1e3,
           to_s(warp.device_time) * 1e3, cast.work};
+}
+
+PanelPair LiveEyes::viewed(PanelPair shown) {
+  if (!now_->view) return shown;
+  return now_->view->make(shown, now_->eyes, render_pose_, warp_pose_);
+}
+
+std::unique_ptr<LiveView> LiveEyes::make_view(State& state, ViewKind kind) const {
+  if (kind == ViewKind::picture) return nullptr;
+  return std::make_unique<LiveView>(
+      LiveView::Inputs{device_, options_, state.session, state.headset, *state.scene, state.placement}, kind);
+}
+
+void LiveEyes::set_transfer(const TransferFunction& resolved) {
+  edited_ = resolved;
+  show_edited();
+}
+
+void LiveEyes::show_edited() {
+  State& state = *now_;
+  state.scene->versions.replace_first(*edited_);
+  state.scene->show_transfer(device_, 0);
+  state.renderer.transfer_changed();
+  if (!state.view) return;
+  if (EyeRenderer* const renderer = state.view->renderer()) renderer->transfer_changed();
+  IdealPicture* const ideal = state.view->ideal();
+  if (ideal == nullptr) return;
+  if (ideal->has_own_scene()) {
+    ideal->scene().versions.replace_first(*edited_);
+    ideal->scene().show_transfer(device_, 0);
+  }
+  ideal->transfer_changed();
+}
+
+std::string LiveEyes::set_view(ViewKind kind) {
+  try {
+    now_->view = make_view(*now_, kind);
+    if (edited_ && now_->view && now_->view->ideal() != nullptr) show_edited();
+  } catch (const Error& error) {
+    return error.what();
+  }
+  return {};
 }
 
 namespace {
@@ -97,6 +143,7 @@ std::optional<std::string> LiveEyes::reload_if_saved() {
   volume_stamps_ = std::move(volume);
   scene_stamps_ = std::move(scene);
   kernel_stamps_ = std::move(kernels);
+  if (!same_scene) edited_.reset();
   return make(same_scene ? State::Keep::scene : same_values ? State::Keep::volume : State::Keep::nothing);
 }
 
@@ -106,7 +153,11 @@ std::string LiveEyes::remake() {
 
 std::string LiveEyes::make(State::Keep keep) {
   try {
-    now_ = std::make_unique<State>(device_, options_, read_(), first_pose_, now_.get(), keep);
+    auto next = std::make_unique<State>(device_, options_, read_(), first_pose_, now_.get(), keep);
+    const ViewKind kind = view();
+    now_ = std::move(next);
+    if (edited_ && keep != State::Keep::scene) show_edited();
+    (void)set_view(kind);
   } catch (const Error& error) {
     return error.what();
   }

@@ -10,6 +10,7 @@
 #include "runtime/replay/eye_renderer.hpp"
 #include "runtime/replay/panel_display.hpp"
 #include "runtime/replay/replay.hpp"
+#include "tools/live/live_view.hpp"
 
 namespace brace {
 
@@ -37,11 +38,26 @@ class LiveEyes {
   };
   /// Ray casts from one pose and shows the panels as seen from another, which is asked for in between.
   Times show(const Pose& render_pose, const std::function<Pose()>& warp_pose);
+  /// What the panels show of the last show().
   PanelPair read() const { return now_->display.read(); }
+  /// Those panels as the view in force shows them.
+  PanelPair viewed(PanelPair shown);
+
+  /// Another transfer function, in data units and per voxel length, in the session's place: for the tables,
+  /// the skip structure and native stages, without a new kernel. It stays until the session's own is saved
+  /// anew.
+  void set_transfer(const TransferFunction& resolved);
+  TransferFunction transfer() const { return now_->scene->versions.first_resolved(); }
+
+  /// Another view from the next show() on; why not, in words, where the session has nothing of the kind: the
+  /// one before goes on then. Empty: it does.
+  std::string set_view(ViewKind kind);
+  ViewKind view() const { return now_->view ? now_->view->kind() : ViewKind::picture; }
+  ViewLegend legend() const { return now_->view ? now_->view->legend() : ViewLegend(); }
 
   /// Looks at the files of stages and transfer function and makes anew what has been saved: kernels alone,
   /// or the scene as well. What went wrong, in the words of the compiler or reader; the old ones go on then.
-  /// Empty: nothing did.
+  /// A view that the session no longer has ends. Empty: nothing did.
   std::optional<std::string> reload_if_saved();
   /// Makes everything anew that depends on what the session reads as now; the volume stays where it is the
   /// same. The same words.
@@ -61,10 +77,13 @@ class LiveEyes {
     EyeRenderer renderer;
     PanelDisplay display;
     EyePair eyes;
+    std::unique_ptr<LiveView> view;  // null: the picture
   };
+  std::unique_ptr<LiveView> make_view(State& state, ViewKind kind) const;
   using Stamp = std::pair<std::filesystem::path, std::filesystem::file_time_type>;
   using Stamps = std::vector<Stamp>;
   std::string make(State::Keep keep);
+  void show_edited();
   Stamps volume_stamps() const;
   Stamps scene_stamps() const;  // session, transfer function, manifests, the skip stage
   Stamps kernel_stamps() const;
@@ -74,6 +93,8 @@ class LiveEyes {
   ReadSession read_;
   Pose first_pose_;
   std::unique_ptr<State> now_;
+  Pose render_pose_, warp_pose_;  // of the last show()
+  std::optional<TransferFunction> edited_;
   Stamps volume_stamps_, scene_stamps_, kernel_stamps_;
 };
 

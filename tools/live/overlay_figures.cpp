@@ -119,11 +119,14 @@ void costs(const FrameHistory& history, double period_ms) {
 
 }  // namespace
 
-void figures_panel(Overlay& overlay, const OverlayFacts& facts, const FrameHistory& history) {
+void facts_panel(const OverlayFacts& facts, const FrameHistory& history) {
   text(fmt::format("{}, {:.1f} fps at {:g} Hz", facts.session, history.rate_hz(), facts.rate_hz));
   text(fmt::format("{} x {} px per eye, head: {}{}", facts.eye_width_px, facts.eye_height_px, facts.head,
                    facts.recording ? ", recording" : ""));
   wrapped(facts.device, grey);
+}
+
+void figures_panel(Overlay& overlay, const OverlayFacts& facts, const FrameHistory& history) {
   if (history.empty() || !overlay.heading("Figures", true)) return;
   latencies(history);
   work(history.recent().back().work);

@@ -17,7 +17,10 @@ struct OverlayFacts {
   std::string message;  // what was done last
 };
 
-/// Session, latency, age, work and the cost of every step, in the column.
+/// What the session is, in the column.
+void facts_panel(const OverlayFacts& facts, const FrameHistory& history);
+
+/// Latency, age, work and the cost of every step, in the column.
 void figures_panel(Overlay& overlay, const OverlayFacts& facts, const FrameHistory& history);
 
 /// What went wrong or was done last, and the intervals of the last seconds as bars, missed vsyncs in red, in

@@ -23,6 +23,10 @@ void main() {
   BraceResult result = BraceResult(vec4(0.0), BRACE_NO_HIT);
   if (ray.extent > 0.0) {
     brace_cast(ray, result);
+#if defined(BRACE_RAY_HEAT)
+    const float heat = min(log2(1.0 + float(brace_ray_heat)) / 10.0, 1.0);
+    result.colour = vec4(vec3((1.0 + 254.0 * heat) / 255.0), 1.0);
+#endif
   } else {
     brace_emit_nothing();
   }

@@ -117,7 +117,10 @@ Shown show_figures(const OverlayFacts& facts, const FrameHistory& history) {
     shown.picture = plain(900, 600);
     const WindowLayout layout = lay_out(900, 600, true);
     overlay.begin(900, 600, 0.01);
-    if (overlay.begin_panel("column", layout.column)) figures_panel(overlay, facts, history);
+    if (overlay.begin_panel("column", layout.column)) {
+      facts_panel(facts, history);
+      figures_panel(overlay, facts, history);
+    }
     overlay.end_panel();
     timeline_panel(overlay, facts, history, layout.strip);
     overlay.end(shown.picture);

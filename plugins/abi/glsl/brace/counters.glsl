@@ -24,7 +24,13 @@ void brace_count_add(uint counter, uint amount) {
 
 #define BRACE_COUNTERS_DECLARE uint brace_count_rays = 1u, brace_count_samples = 0u, brace_count_skip_steps = 0u, brace_count_shading_fetches = 0u;
 #define BRACE_COUNT(counter, amount) brace_count_##counter += (amount)
-#define BRACE_COUNTERS_COMMIT brace_count_add(0u, brace_count_rays); brace_count_add(1u, brace_count_samples); brace_count_add(2u, brace_count_skip_steps); brace_count_add(3u, brace_count_shading_fetches)
+#if defined(BRACE_RAY_HEAT)
+uint brace_ray_heat = 0u;  // the count that BRACE_RAY_HEAT names, of this ray
+#define BRACE_COUNTERS_KEEP ; brace_ray_heat = BRACE_RAY_HEAT
+#else
+#define BRACE_COUNTERS_KEEP
+#endif
+#define BRACE_COUNTERS_COMMIT brace_count_add(0u, brace_count_rays); brace_count_add(1u, brace_count_samples); brace_count_add(2u, brace_count_skip_steps); brace_count_add(3u, brace_count_shading_fetches) BRACE_COUNTERS_KEEP
 
 #else
 #define BRACE_COUNTERS_DECLARE

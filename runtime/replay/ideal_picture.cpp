@@ -1,0 +1,49 @@
+#include "runtime/replay/ideal_picture.hpp"
+
+#include "base/error.hpp"
+#include "runtime/replay/cast_integrator.hpp"
+
+namespace brace {
+
+namespace {
+
+/// The session of ideal pictures: lit as asked for, a ray per pixel, and where the session asks for them
+/// converged ones.
+Session ideal_session(Session session, const PipelineStage& rays) {
+  session.pipeline.at("rays") = rays;
+  session.scene.shading = session.plan.shading;
+  if (!session.output.converged_ideal) return session;
+  if (const auto converged = converged_session(session)) return *converged;
+  throw input_error(
+      "{}: output.ideal = 'converged' is made by cast/dvr; accepted with pipeline.cast = '{}': session",
+      session.file.string(), session.pipeline.at("cast").stage.name);
+}
+
+std::unique_ptr<SceneOnDevice> scene_of_ideal(const gpu::Device& device, const Session& session,
+                                              const Headset& headset, const SceneOnDevice& scene,
+                                              const VolumePlacement& placement, ReplayOptions options) {
+  if (!session.output.converged_ideal) return nullptr;
+  options.messages = false;
+  return load_scene(device, session, options, headset, placement, &scene);
+}
+
+}  // namespace
+
+IdealPicture::IdealPicture(const gpu::Device& device, const Session& session, const Headset& headset,
+                           SceneOnDevice& scene, const VolumePlacement& placement,
+                           const ReplayOptions& options)
+    : session_(ideal_session(session, options.full_rate)),
+      own_scene_(scene_of_ideal(device, session_, headset, scene, placement, options)),
+      scene_(own_scene_ ? *own_scene_ : scene),
+      renderer_(device, session_, headset, scene_, placement, options.data_folder, EyeRenderer::Counting::off,
+                nullptr, EyeRenderer::SecondEye::ray_cast),
+      display_(device, headset, options.no_warp, options.data_folder),
+      eyes_(make_eye_pair(device, headset.eye)) {}
+
+PanelPair IdealPicture::show(const Pose& true_world_from_head) {
+  renderer_.render(true_world_from_head, eyes_);
+  display_.show({eyes_, true_world_from_head, true_world_from_head});
+  return display_.read();
+}
+
+}  // namespace brace

@@ -1,0 +1,76 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "tests/cli/command.hpp"
+
+namespace brace::test {
+
+inline const std::string live_session = R"([device]
+profile = "htc-vive"
+resolution_scale = 0.06
+tracker = "ideal"
+[trace]
+neck = { motion = "MOTION", degrees = 30, seconds = 1 }
+[scene]
+volume = "generator:nested_shells:24"
+transfer_function = "ct-soft-tissue"
+size_m = 0.5
+position = "front:0.7"
+[clock]
+cost = "model:gtx-1080"
+[output]
+images = "list:3"
+error = "none"
+[run]
+frames = 4
+)";
+
+/// For scripts that drive the window: `shown` waits for it, `click` a widget of the overlay by its name,
+/// `said` waits for words in live.log.
+inline const std::string window_functions = R"sh(
+shown() { for i in $(seq 600); do xdotool search --name ' fps' >/dev/null 2>&1 && break; sleep 0.05; done; }
+at() { awk -v n="$1" '$5 == n { print int($1 + $3 / 2), int($2 + $4 / 2) }' widgets.txt 2>/dev/null; }
+click() {
+  for i in $(seq 200); do [ -n "$(at "$1")" ] && break; sleep 0.05; done
+  [ -n "$(at "$1")" ] || { echo "no widget $1" >>live.log; return; }
+  xdotool mousemove $(at "$1"); sleep 0.2; xdotool mousedown 1; sleep 0.15; xdotool mouseup 1; sleep 0.15
+}
+said() { for i in $(seq 300); do grep -q -- "$1" live.log && return; sleep 0.1; done; echo "never said: $1" >>live.log; }
+)sh";
+
+class Live : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    for (const char* tool : {"/usr/bin/xvfb-run", "/usr/bin/xdotool"}) {
+      if (!std::filesystem::exists(tool)) GTEST_SKIP() << tool << " is not installed: no window to look at";
+    }
+    display_.on_virtual_display = true;
+  }
+  void write_session(const std::string& motion, const std::string& transfer = "ct-soft-tissue") {
+    std::string text = live_session;
+    text.replace(text.find("MOTION"), 6, motion);
+    text.replace(text.find("ct-soft-tissue"), 14, transfer);
+    place_.write("s.toml", text);
+  }
+  /// `brace live s.toml` with these options beside a script that drives it; returns what it said.
+  std::string drive(const std::string& options, const std::string& script) {
+    place_.write("drive.sh", window_functions + "\"$1\" live s.toml --keep-scale --rate 60 --frames 20000 " +
+                                 "--widgets widgets.txt " + options + " >>live.log 2>&1 &\nlive=$!\nshown\n" +
+                                 script + "\nxdotool key Escape\nwait $live\n");
+    const Outcome outcome = place_.command({"/bin/bash", "drive.sh", BRACE_PROGRAM}, display_);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err << place_.read("live.log");
+    const std::string log = place_.read("live.log");
+    EXPECT_THAT(log, ::testing::Not(::testing::HasSubstr("never said")));
+    EXPECT_THAT(log, ::testing::Not(::testing::HasSubstr("no widget")));
+    return log;
+  }
+  Workplace place_;
+  RunOptions display_;
+};
+
+}  // namespace brace::test
