@@ -1,6 +1,7 @@
 #include "runtime/gpu/swap_chain.hpp"
 
 #include <algorithm>
+#include <bit>
 #include <cstring>
 
 #include "base/error.hpp"
@@ -24,6 +25,15 @@ void move_image(const DeviceContext& context, VkCommandBuffer commands, VkImage 
   dependency.imageMemoryBarrierCount = 1;
   dependency.pImageMemoryBarriers = &barrier;
   context.vk.vkCmdPipelineBarrier2(commands, &dependency);
+}
+
+/// As whole words, which compilers make vectors of: this is a good part of what a picture costs.
+void copy_pixels(const ImageRgba8& picture, std::span<std::uint32_t> to, bool swap_red_and_blue) {
+  static_assert(std::endian::native == std::endian::little);
+  std::transform(picture.pixels.begin(), picture.pixels.end(), to.begin(), [=](const Rgba8& pixel) {
+    const auto word = std::bit_cast<std::uint32_t>(pixel);
+    return swap_red_and_blue ? (word & 0xff00ff00u) | (word & 0xffu) << 16 | (word >> 16 & 0xffu) : word;
+  });
 }
 
 VkSurfaceFormatKHR choose_format(const DeviceContext& context, VkSurfaceKHR surface) {
@@ -202,14 +212,8 @@ bool SwapChain::load(const ImageRgba8& picture) {
   const VolkDeviceTable& vk = context.vk;
   BRACE_CHECK(state.chain && picture.width_px == static_cast<int>(state.extent.width) &&
               picture.height_px == static_cast<int>(state.extent.height));
-  const std::span<Rgba8> pixels = state.pixels.mapped_as<Rgba8>();
-  if (state.format.format == VK_FORMAT_B8G8R8A8_UNORM) {
-    std::transform(picture.pixels.begin(), picture.pixels.end(), pixels.begin(), [](Rgba8 p) {
-      return Rgba8{p.b, p.g, p.r, p.a};
-    });
-  } else {
-    std::copy(picture.pixels.begin(), picture.pixels.end(), pixels.begin());
-  }
+  copy_pixels(picture, state.pixels.mapped_as<std::uint32_t>(),
+              state.format.format == VK_FORMAT_B8G8R8A8_UNORM);
 
   check_vk(vk.vkResetFences(context.device, 1, &state.acquired), context, "reset the window's fence");
   const VkResult acquired = vk.vkAcquireNextImageKHR(context.device, state.chain, UINT64_MAX, nullptr,

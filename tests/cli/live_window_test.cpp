@@ -125,6 +125,23 @@ TEST_F(Live, SaysWhatToDoWhereADeviceCannotShowPictures) {
     EXPECT_THAT(outcome.out + outcome.err, HasSubstr(words));
 }
 
+TEST_F(Live, CastsFewerRaysWhenTheControlStageSaysSo) {
+  write_session("still");
+  const auto rays = [&](const std::string& control) {
+    const Outcome outcome =
+        place_.brace({"live", "s.toml", "--keep-scale", "--frames", "30", "--rate", "1000", "--pace", "free",
+                      "--set", "pipeline.rays=mab", "--set", "pipeline.control=" + control},
+                     display_);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    const std::size_t at = outcome.out.find("last picture ");
+    EXPECT_NE(at, std::string::npos) << outcome.out;
+    return std::stoi(outcome.out.substr(at + 13));
+  };
+  const int all = rays("fixed");
+  EXPECT_GT(all, 200);
+  EXPECT_LT(rays("mab_dynamic"), all * 9 / 10) << "no picture fits a millisecond";
+}
+
 TEST_F(Live, TakesNoMoreMemoryTheLongerItRuns) {
   write_session("rotation");
   display_.environment["ASAN_OPTIONS"] = "detect_leaks=0:quarantine_size_mb=1";

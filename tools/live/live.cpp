@@ -11,6 +11,7 @@
 #include "runtime/volume/write_transfer_function.hpp"
 #include "tools/command.hpp"
 #include "tools/interrupt.hpp"
+#include "tools/live/head_readings.hpp"
 #include "tools/live/live_eyes.hpp"
 #include "tools/live/live_head.hpp"
 #include "tools/live/live_scale.hpp"
@@ -51,6 +52,11 @@ void print_figures(const FrameHistory& history, const LiveCommand& command) {
   const FrameHistory::Totals totals = history.totals();
   fmt::print("  pictures              {}, {} of them after the first second\n", history.pictures(),
              totals.pictures);
+  if (!history.empty()) {
+    const WorkCounts& work = history.recent().back().work;
+    fmt::print("  last picture          {} rays, {} samples, {} skip steps\n", work.rays, work.samples,
+               work.skip_steps);
+  }
   if (totals.pictures == 0) return;
   if (command.pace != "free") {
     fmt::print("  missed vsyncs         {} of {} ({:.2f} %) at {:g} Hz\n", totals.missed,
@@ -113,10 +119,15 @@ class LiveRun {
 
   void take_keys() {
     const SimTime now = clock_.now();
+    const bool was_by_hand = head_.by_hand();
     head_.steer(window_, now, to_s(now - steered_));
+    if (was_by_hand && !head_.by_hand()) readings_.forget();  // back on the trace in one jump
     steered_ = now;
     if (window_.pressed('R')) recorder_.toggle();
-    if (window_.pressed('H')) overlay_on_ = !overlay_on_;
+    if (window_.pressed('H')) {
+      overlay_on_ = !overlay_on_;
+      overlay_due_ = true;
+    }
     for (std::size_t i = 0; i < view_names.size(); ++i)
       if (window_.pressed(static_cast<char>('1' + i))) set_view(static_cast<ViewKind>(i));
   }
@@ -134,6 +145,7 @@ class LiveRun {
   void tell(const std::string& fault, const std::string& done, SimTime began) {
     facts_.fault = fault;
     if (!fault.empty()) overlay_on_ = true;
+    overlay_due_ = true;
     facts_.message = fmt::format("{} in {:.0f} ms", done, ms_between(began, clock_.now()));
     fmt::print(stderr, "live: {}\n", fault.empty() ? facts_.message : fault);
   }
@@ -158,12 +170,13 @@ class LiveRun {
   void show_frame() {
     LiveFrame frame;
     const SimTime render_time = clock_.now();
-    const Pose render_pose = head_.at(render_time);
-    recorder_.add(render_time, render_pose);
+    recorder_.add(render_time, head_.at(render_time));
+    // It will be seen about as long after its poses were taken as the last one was.
+    const LiveFrame last = history_.empty() ? LiveFrame() : history_.recent().back();
     SimTime warp_time{};
-    const LiveEyes::Times times = eyes_.show(render_pose, [&] {
+    const LiveEyes::Times times = eyes_.show(pose_for(render_time, last.frame_age_ms, true), [&] {
       warp_time = clock_.now();
-      return head_.at(warp_time);
+      return pose_for(warp_time, last.mtp_rotation_ms, false);
     });
     frame.costs = {times.opening_ms, times.cast_ms, times.closing_ms, times.warp_ms};
     frame.work = times.work;
@@ -184,6 +197,21 @@ class LiveRun {
         ms_between(warp_pose == WarpPose::rotation_and_translation ? warp_time : render_time, frame.shown);
     frame.frame_age_ms = ms_between(render_time, frame.shown);
     history_.add(frame);
+    control(frame);
+  }
+
+  Pose pose_for(SimTime now, double ahead_ms, bool for_cast) {
+    // A head by hand moves when the window is asked, once per picture.
+    if (!head_.by_hand() || readings_.all().empty() || for_cast) readings_.add(now, head_.at(now));
+    return eyes_.predicted(readings_.all(), now + from_s(ahead_ms * 1e-3));
+  }
+
+  /// What the host and the warp leave of a period is the cast's budget.
+  void control(const LiveFrame& frame) {
+    const LiveCosts& costs = frame.costs;
+    const double cast_ms = costs.opening + costs.cast + costs.closing;
+    const double other_ms = costs.warp + costs.view + costs.read + costs.paint + costs.present;
+    eyes_.control(from_s(cast_ms * 1e-3), from_s(1.0 / command_.rate_hz - other_ms * 1e-3), frame.missed);
   }
 
   /// False where the window has no pixels, or other ones than a moment ago.
@@ -192,11 +220,15 @@ class LiveRun {
     window_.size(width_px, height_px);
     const gpu::SwapChain::Size size = chain_.fit(width_px, height_px);
     if (size.width_px == 0) return false;
-    if (picture_.width_px != size.width_px || picture_.height_px != size.height_px)
+    if (picture_.width_px != size.width_px || picture_.height_px != size.height_px) {
       picture_ = ImageRgba8(size.width_px, size.height_px);
+      overlay_due_ = true;
+    }
     const WindowLayout layout = lay_out(size.width_px, size.height_px, overlay_on_);
     draw_fitted(side_by_side(panels_), layout.eyes, picture_);
-    if (overlay_on_) draw_overlay(layout);
+    // Beside the eyes it stays as it is drawn: often enough to read is enough.
+    overlay_due_ = overlay_due_ || overlay_.wants_mouse() || clock_.now() - overlaid_ >= from_s(1.0 / 30.0);
+    if (overlay_on_ && overlay_due_) draw_overlay(layout);
     return chain_.load(picture_);
   }
 
@@ -209,6 +241,7 @@ class LiveRun {
     const SimTime now = clock_.now();
     overlay_.begin(picture_.width_px, picture_.height_px, to_s(now - overlaid_));
     overlaid_ = now;
+    overlay_due_ = false;
     std::optional<Setting> setting;
     std::optional<ViewKind> view;
     TransferPanel::Change change;
@@ -249,8 +282,12 @@ class LiveRun {
 
   std::map<std::string, std::string> stage_notes() const {
     std::map<std::string, std::string> notes;
-    for (const char* family : {"schedule", "predict", "control"})
-      notes[family] = "no effect in the window";
+    notes["schedule"] = "no effect in the window: each picture is cast in one piece";
+    notes["control"] = eyes_.session().pipeline.at("rays").stage.id() == "rays/mab"
+                           ? fmt::format("casts {:.0f} % of the rays", 100.0 * eyes_.quality())
+                           : "no effect: these rays are the same at every quality";
+    if (!history_.empty())
+      notes["predict"] = fmt::format("{:.0f} ms ahead", history_.recent().back().frame_age_ms);
     const SceneOnDevice& scene = eyes_.scene();
     if (!scene.skip_reason.empty()) notes["skip"] = scene.skip_stage.stage.id() + ": " + scene.skip_reason;
     return notes;
@@ -304,10 +341,11 @@ class LiveRun {
   LiveClock clock_;
   FrameHistory history_;
   OverlayFacts facts_;
+  HeadReadings readings_;
   StagePanel stages_;
   TransferPanel transfer_{"live-transfer.toml"};
   std::string widgets_;  // last written
-  bool overlay_on_ = true;
+  bool overlay_on_ = true, overlay_due_ = true;
   SimTime steered_{}, looked_{}, overlaid_{}, titled_{};
   std::int64_t frame_ = 0;
   PanelPair panels_;

@@ -1,6 +1,10 @@
 #include "tools/live/live_eyes.hpp"
 
+#include <algorithm>
+#include <cmath>
+
 #include "base/error.hpp"
+#include "hmd_sim/tracker.hpp"
 #include "runtime/replay/scene_activation.hpp"
 
 namespace brace {
@@ -30,7 +34,9 @@ LiveEyes::State::State(const gpu::Device& device, const ReplayOptions& options, 
                nullptr, EyeRenderer::SecondEye::as_session, EyeRenderer::Layers::as_session),
       display(device, headset, session.pipeline.at("warp"), options.no_warp,
               scene_activation(device, session, headset, *scene, placement), options.data_folder),
-      eyes(make_eye_pair(device, session, headset)) {}
+      eyes(make_eye_pair(device, session, headset)),
+      predict(live_stage(session.pipeline.at("predict"))),
+      control(live_stage(session.pipeline.at("control"))) {}
 
 LiveEyes::LiveEyes(const gpu::Device& device, const ReplayOptions& options, ReadSession read,
                    const Pose& first_pose)
@@ -47,12 +53,44 @@ LiveEyes::Times LiveEyes::show(const Pose& render_pose, const std::function<Pose
   EyeRenderer* const of_view = now_->view ? now_->view->renderer() : nullptr;
   EyeRenderer& renderer = of_view != nullptr ? *of_view : now_->renderer;
   render_pose_ = render_pose;
-  const JobOutcome cast = renderer.render(render_pose, now_->eyes);
+  const JobOutcome cast = renderer.render(render_pose, now_->eyes, now_->quality);
   warp_pose_ = warp_pose();
   const JobOutcome warp = now_->display.show({now_->eyes, render_pose, warp_pose_});
   const EyeRenderer::StepTimes& steps = renderer.step_times();
   return {to_s(steps.opening) * 1e3, to_s(steps.cast) * 1e3, to_s(steps.closing) * 1e3,
           to_s(warp.device_time) * 1e3, cast.work};
+}
+
+Pose LiveEyes::predicted(std::span<const brace_tracker_sample> readings, SimTime target) const {
+  const NativeStage& stage = now_->predict;
+  brace_pose pose{};
+  const brace_result result = stage.predict_functions().predict(
+      stage.self(), readings.data(), static_cast<std::uint32_t>(readings.size()), to_ns(target), &pose);
+  const Pose found = sim::from_abi(pose);
+  const double norm = glm::length(found.orientation);
+  if (result != BRACE_OK || !(std::abs(norm - 1.0) < 1e-6) || !std::isfinite(glm::length(found.position)))
+    throw device_error(
+        "{} failed in predict; expected BRACE_OK and a finite unit pose; found result {}, |q| = {}",
+        stage.place(), static_cast<int>(result), norm);
+  return found;
+}
+
+void LiveEyes::control(SimDuration cast, SimDuration budget, std::int64_t missed) {
+  State& state = *now_;
+  const brace_control_input input{.struct_size = sizeof(brace_control_input),
+                                  .frame = state.frame++,
+                                  .frame_cost_ns = to_ns(cast),
+                                  .budget_ns = std::max<std::int64_t>(to_ns(budget), 1),
+                                  .missed = static_cast<std::uint32_t>(missed),
+                                  .delay_frames = 0};
+  double quality = 0.0;
+  const brace_result result =
+      state.control.control_functions().update(state.control.self(), &input, &quality);
+  if (result != BRACE_OK || !(quality > 0.0 && quality <= 1.0))
+    throw device_error(
+        "{} failed in update; expected BRACE_OK and 0 < quality <= 1; found result {}, quality {}",
+        state.control.place(), static_cast<int>(result), quality);
+  state.quality = quality;
 }
 
 PanelPair LiveEyes::viewed(PanelPair shown) {

@@ -4,12 +4,14 @@
 #include <functional>
 #include <memory>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "runtime/replay/eye_renderer.hpp"
 #include "runtime/replay/panel_display.hpp"
 #include "runtime/replay/replay.hpp"
+#include "runtime/replay/stage_instance.hpp"
 #include "tools/live/live_view.hpp"
 
 namespace brace {
@@ -31,6 +33,13 @@ class LiveEyes {
   const Headset& headset() const { return now_->headset; }
   const SceneOnDevice& scene() const { return *now_->scene; }
   const std::vector<StageInfo>& stages() const { return now_->stages; }
+
+  /// Where the session's predict stage expects the head at `target`. Throws device_error when it fails.
+  Pose predicted(std::span<const brace_tracker_sample> readings, SimTime target) const;
+  /// Asks the session's control stage how many of the rays the next show() casts. `budget`: what a picture
+  /// may take of the device. Throws device_error when it fails.
+  void control(SimDuration cast, SimDuration budget, std::int64_t missed);
+  double quality() const { return now_->quality; }  // the share of the rays that is cast
 
   struct Times {
     double opening_ms = 0.0, cast_ms = 0.0, closing_ms = 0.0, warp_ms = 0.0;  // device time
@@ -77,6 +86,9 @@ class LiveEyes {
     EyeRenderer renderer;
     PanelDisplay display;
     EyePair eyes;
+    NativeStage predict, control;
+    double quality = 1.0;
+    std::uint64_t frame = 0;
     std::unique_ptr<LiveView> view;  // null: the picture
   };
   std::unique_ptr<LiveView> make_view(State& state, ViewKind kind) const;
