@@ -62,8 +62,9 @@ struct LiveCommand {
   bool keep_scale = false;
   std::string gpu;
   std::vector<std::string> plugin_path;
-  std::string window_screenshot;  // PNG of the last window, overlay and all; "": none
-  std::string widgets;            // file to keep the places of the overlay's widgets in; "": none
+  std::string window_screenshot;             // PNG of the last window, overlay and all; "": none
+  std::string widgets;                       // file to keep the places of the overlay's widgets in; "": none
+  std::vector<int> window_px = {1200, 640};  // width and height at first
   std::string view = "picture";
   std::string pace = "simulated";  // simulated | window | free: whose vsyncs pictures wait for
 };

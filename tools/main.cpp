@@ -136,6 +136,10 @@ void add_live(CLI::App& app, LiveCommand& command, Action& action) {
   live->add_option(
       "--widgets", command.widgets,
       "Text file to keep the places of the overlay's widgets in (x y width height name), for scripts");
+  live->add_option("--window", command.window_px, "Width and height of the window at first, pixels")
+      ->expected(2)
+      ->check(CLI::Range(1, 16384))
+      ->capture_default_str();
   live->add_option(
           "--view", command.view,
           "What is shown of the eyes: the picture, its difference or dssim from the ideal one, levels of "

@@ -48,6 +48,18 @@ mv live-*-difference.png difference.png; mv live-*-samples.png samples.png
   EXPECT_LT(differing, count_not_black(depth) + 200) << "but the same background";
 }
 
+TEST_F(Live, OpensAWindowOfTheSizeAskedFor) {
+  write_session("still");
+  const Outcome outcome = place_.brace({"live", "s.toml", "--keep-scale", "--frames", "2", "--window", "700",
+                                        "400", "--screenshot-window", "window.png"},
+                                       display_);
+  EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+  const ImageRgba8 window = read_png(place_ / "window.png");
+  EXPECT_EQ(window.width_px, 700);
+  EXPECT_EQ(window.height_px, 400);
+  EXPECT_EQ(place_.brace({"live", "s.toml", "--window", "0", "400"}, display_).exit_code, 2);
+}
+
 TEST_F(Live, RefusesViewsThatThereAreNot) {
   write_session("still");
   const auto refused = [&](const std::string& view) {

@@ -26,8 +26,6 @@ namespace brace {
 
 namespace {
 
-constexpr int window_width_px = 1200, window_height_px = 640;
-
 /// Host time since the run's begin.
 class LiveClock {
  public:
@@ -374,7 +372,7 @@ int live_command(const LiveCommand& command) {
   Overrides overrides = parse_settings(command.set);
   const Session session = first_session(command, overrides, first_stages.registry);
   Overlay overlay;
-  LiveWindow window(window_width_px, window_height_px, "brace live: " + session.name);
+  LiveWindow window(command.window_px[0], command.window_px[1], "brace live: " + session.name);
   window.attach_overlay();
   const gpu::Device device({.select = command.gpu, .window_extensions = window.vulkan_extensions()});
   ReplayOptions options = replay_options(first_stages.registry, command.gpu);
