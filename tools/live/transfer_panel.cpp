@@ -12,7 +12,7 @@ namespace brace {
 
 namespace {
 
-constexpr int plot_height_px = 120, bins = 190;
+constexpr int plot_height_px = 120, bins = 128;
 constexpr float grip_px = 9.0f;  // a point is taken from this near
 
 float height_of(double kappa) {
@@ -127,8 +127,9 @@ TransferPanel::Change TransferPanel::show(Overlay& overlay, const TransferFuncti
   draw_plot(function, bars_, selected_, plot, range);
 
   TransferPoint& point = function.points[selected_];
-  ImGui::TextUnformatted(fmt::format("{:g} to {:g}, log of the voxels; point {} of {}: {:g}, opacity {:.4f}",
-                                     range.min, range.max, selected_ + 1, function.points.size(), point.value,
+  ImGui::TextUnformatted(fmt::format("{:g} to {:g}; bars: log of the voxels", range.min, range.max).c_str());
+  ImGui::TextUnformatted(fmt::format("point {} of {}: value {:g}, opacity {:.4f}", selected_ + 1,
+                                     function.points.size(), point.value,
                                      opacity_from_kappa(point.sample.kappa, 1.0))
                              .c_str());
   std::array<float, 3> rgb = {static_cast<float>(point.sample.r), static_cast<float>(point.sample.g),
