@@ -13,6 +13,7 @@
 #include "bench/eye_rig.hpp"
 #include "bench/median.hpp"
 #include "runtime/metrics/image_error.hpp"
+#include "runtime/timeline/cost_source.hpp"
 
 namespace brace {
 
@@ -44,7 +45,8 @@ std::vector<Choice> methods() {
           layers_with("linear, rgba8", "interpolation = 'linear'\nformat = 'rgba8'\n"),
           layers_with("linear, rgba32f", "interpolation = 'linear'\nformat = 'rgba32f'\n"),
           layers_with("interleave 2", "interleave = 2\n"),
-          kNovelView};
+          kNovelView,
+          {"novel_view, middle", kNovelView.lines + "[stage.'novel_view']\nreference = 'middle'\n"}};
 }
 
 Choice random_lights(int samples) {
@@ -89,7 +91,7 @@ ImageRgba8 right_picture(const gpu::Device& device, const EyeRig& rig) {
 
 /// A turn about the volume with one stereo stage.
 struct Turn {
-  std::vector<double> times_s, model_s;
+  std::vector<double> times_s, model_s, software_s;
   WorkCounts work;
   double right_pixels = 0, layer_mib = 0;
   std::vector<ImageRgba8> right;
@@ -107,8 +109,11 @@ Turn walk_round(const gpu::Device& device, const StereoBenchOptions& options, Se
   for (int view = 0; view < options.views; ++view) {
     const Pose pose = around(rig.placement, 2.0 * std::numbers::pi * view / options.views);
     const JobOutcome outcome = rig.renderer.render(pose, rig.eyes);
+    const double scale = rig.session.device.resolution_scale;
+    const WorkCounts full = scale_pixel_work(outcome.work, 1.0 / (scale * scale));
     turn.times_s.push_back(to_s(outcome.device_time));
-    turn.model_s.push_back(to_s(evaluate(options.model, JobKind::cast, outcome.work)));
+    turn.model_s.push_back(to_s(evaluate(options.model, JobKind::cast, full)));
+    turn.software_s.push_back(to_s(evaluate(options.software_model, JobKind::cast, full)));
     turn.work += outcome.work;
     turn.right_pixels += 0.5 * rig.pixels();
     turn.right.push_back(right_picture(device, rig));
@@ -166,6 +171,7 @@ class Bench {
       StereoBenchRow row{part, volume, shading.label, choice.label, scale};
       row.saved_device = saved(once.times_s, twice.times_s);
       row.saved_model = saved(once.model_s, twice.model_s);
+      row.saved_software_model = saved(once.software_s, twice.software_s);
       row.samples_share = ratio(once.work.samples, twice.work.samples);
       row.fetches_share = ratio(once.work.shading_fetches, twice.work.shading_fetches);
       row.texels_per_px = static_cast<double>(once.work.texels) / once.right_pixels;
@@ -197,6 +203,7 @@ StereoBenchResult bench_stereo(const StereoBenchOptions& options) {
   result.device = device.info().name;
   result.driver = device.info().driver;
   result.model = options.model.name;
+  result.software_model = options.software_model.name;
   result.views = options.views;
   Bench bench(device, options, result);
   for (const std::string& part : options.parts) {
@@ -216,15 +223,17 @@ std::string to_text(const StereoBenchResult& result) {
   std::string part;
   for (const StereoBenchRow& row : result.rows) {
     if (row.part != part)
-      text += fmt::format("\n{}\n{:<30}{:<18}{:<28}{:>6}{:>9}{:>12}{:>9}{:>9}{:>8}{:>8}{:>9}{:>9}\n",
-                          row.part, "volume", "shading", "stereo", "scale", "V device", "V " + result.model,
-                          "samples", "fetches", "texels", "MiB", "DSSIM", "largest");
+      text += fmt::format("\n{}\n{:<30}{:<18}{:<28}{:>6}{:>9}{:>17}{:>12}{:>9}{:>9}{:>8}{:>8}{:>9}{:>9}\n",
+                          row.part, "volume", "shading", "stereo", "scale", "V device",
+                          "V " + result.software_model, "V " + result.model, "samples", "fetches", "texels",
+                          "MiB", "DSSIM", "largest");
     part = row.part;
     text += fmt::format(
-        "{:<30}{:<18}{:<28}{:>6.2f}{:>9.3f}{:>12.3f}{:>8.1f}%{:>8.1f}%{:>8.1f}{:>8.1f}{:>9.5f}{:>9.5f}\n",
-        row.volume, row.shading, row.stereo, row.resolution_scale, row.saved_device, row.saved_model,
-        100.0 * row.samples_share, 100.0 * row.fetches_share, row.texels_per_px, row.layer_mib,
-        row.dssim_mean, row.dssim_max);
+        "{:<30}{:<18}{:<28}{:>6.2f}{:>9.3f}{:>17.3f}{:>12.3f}{:>8.1f}%{:>8.1f}%{:>8.1f}{:>8.1f}{:>9.5f}{:>9."
+        "5f}\n",
+        row.volume, row.shading, row.stereo, row.resolution_scale, row.saved_device, row.saved_software_model,
+        row.saved_model, 100.0 * row.samples_share, 100.0 * row.fetches_share, row.texels_per_px,
+        row.layer_mib, row.dssim_mean, row.dssim_max);
   }
   return text;
 }
@@ -234,6 +243,7 @@ std::string to_json(const StereoBenchResult& result) {
                               {"driver", result.driver},
                               {"host_load", result.host_load},
                               {"model", result.model},
+                              {"software_model", result.software_model},
                               {"views", result.views}};
   for (const StereoBenchRow& row : result.rows)
     json["rows"].push_back({{"part", row.part},
@@ -243,6 +253,7 @@ std::string to_json(const StereoBenchResult& result) {
                             {"resolution_scale", row.resolution_scale},
                             {"saved_device", row.saved_device},
                             {"saved_model", row.saved_model},
+                            {"saved_software_model", row.saved_software_model},
                             {"samples_share", row.samples_share},
                             {"fetches_share", row.fetches_share},
                             {"texels_per_px", row.texels_per_px},

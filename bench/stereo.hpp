@@ -19,14 +19,15 @@ struct StereoBenchOptions {
   gpu::DeviceOptions device;
   std::filesystem::path data_folder;
   StageRegistry stages;
-  CostModel model;  // prices the counted work
+  CostModel model;           // prices the counted work
+  CostModel software_model;  // … as the software device would: its times on a busy machine say little
   std::vector<std::string> volumes = {"generator:solid_box:64", "generator:nested_shells:96",
                                       "generator:fractal_vessels:128"};
   std::string transfer_function = "ct-soft-tissue";
-  double resolution_scale = 0.3;  // of the methods' table
-  double ladder_scale = 0.15;     // of the tables of shading and layers: 64 fetches per sample take long
-  std::vector<double> scales = {0.1, 0.2, 0.3};  // of the table of resolutions
-  int views = 50;                                // of 360 degrees
+  double resolution_scale = 0.15;  // of the methods' table
+  double ladder_scale = 0.1;       // of the tables of shading and layers: 64 fetches per sample take long
+  std::vector<double> scales = {0.05, 0.1, 0.2};  // of the table of resolutions
+  int views = 50;                                 // of 360 degrees
   std::vector<std::string> parts = {"methods", "shading", "layers", "resolution"};
   std::function<void(std::string_view)> progress;
 };
@@ -35,8 +36,9 @@ struct StereoBenchRow {
   std::string part, volume, shading, stereo;
   double resolution_scale = 0;
   /// Time saved of the second eye, V = 1 - (T_pair - T_eye) / T_eye (eq. 23, T_eye half of two passes):
-  /// medians over the views of the device's times; and of what the model makes of the counts.
-  double saved_device = 0, saved_model = 0;
+  /// medians over the views of the device's times; and of what the models make of the counts, at full
+  /// resolution.
+  double saved_device = 0, saved_model = 0, saved_software_model = 0;
   double samples_share = 0;  // of those of two passes
   double fetches_share = 0;  // of shading; 0 where nothing is fetched
   double texels_per_px = 0;  // of layers, 8 bytes read and 8 written each, over the right eye's pixels
@@ -45,7 +47,7 @@ struct StereoBenchRow {
 };
 
 struct StereoBenchResult {
-  std::string device, driver, model;
+  std::string device, driver, model, software_model;
   int views = 0;
   double host_load = 0;
   std::vector<StereoBenchRow> rows;

@@ -130,12 +130,13 @@ std::string run_stereo(const BenchCommand& command) {
   options.data_folder = data_folder();
   options.stages = make_stages({}).registry;
   options.model = find_cost_model(data_folder() / "costs", "gtx-1080");
+  options.software_model = find_cost_model(data_folder() / "costs", "lavapipe-2core");
   options.progress = [](std::string_view line) { fmt::print(stderr, "{}\n", line); };
   if (command.quick) {
     options.views = 8;
-    options.resolution_scale = 0.15;
-    options.ladder_scale = 0.1;
-    options.scales = {0.06, 0.1};
+    options.resolution_scale = 0.1;
+    options.ladder_scale = 0.06;
+    options.scales = {0.05, 0.1};
   }
   if (!command.volumes.empty()) options.volumes = command.volumes;
   if (!command.parts.empty()) options.parts = command.parts;

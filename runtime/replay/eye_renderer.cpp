@@ -101,7 +101,16 @@ void require_cells(const Session& session) {
       refuse(session.pipeline.at(family).stage.id(), "GLSL stages, which are cast in cells");
   }
   const std::string stereo = session.pipeline.at("stereo").stage.id();
-  if (stereo != "stereo/two_pass") refuse(stereo, "stereo/two_pass");
+  if (is_single_pass(session)) {
+    // The right eye is composed from the left one's cells: those come first.
+    if (session.pipeline.at("schedule").value("order") != 0.0)
+      throw input_error(
+          "schedule/chunked with order = 'cost' or 'gaze' does not work with {}, whose right eye follows the "
+          "left one's cells; accepted: order = 'rows', or stereo/two_pass",
+          stereo);
+  } else if (stereo != "stereo/two_pass") {
+    refuse(stereo, "stereo/two_pass, stereo/layers and stereo/novel_view");
+  }
   if (session.run.watchdog != WatchdogLevel::off)
     refuse(fmt::format("run.watchdog = '{}'", to_string(session.run.watchdog)), "'off'");
   if (session.clock.cost.rfind("recorded:", 0) == 0)
@@ -280,6 +289,11 @@ void EyeRenderer::cast_cells(const CastPipeline::Resources& resources, int colum
 
 JobOutcome EyeRenderer::render_cells(const Pose& world_from_head, const EyePair& into, double quality,
                                      int columns, int rows) {
+  if (single_pass_) {
+    const SinglePass::Cells cells{columns, rows, cells_};
+    if (const std::optional<JobOutcome> outcome = single_pass_->render(world_from_head, into, &cells))
+      return *outcome;
+  }
   if (mab_) mab_->set_quality(quality);
   cells_.clear();
   for (const sim::Eye eye : sim::all_eyes) {
@@ -307,7 +321,7 @@ JobOutcome EyeRenderer::render_cells(const Pose& world_from_head, const EyePair&
 
 JobOutcome EyeRenderer::render(const Pose& world_from_head, const EyePair& into, double quality) {
   if (single_pass_) {
-    if (const std::optional<JobOutcome> outcome = single_pass_->render(world_from_head, into)) {
+    if (const std::optional<JobOutcome> outcome = single_pass_->render(world_from_head, into, nullptr)) {
       step_times_ = {.cast = outcome->device_time};
       return *outcome;
     }

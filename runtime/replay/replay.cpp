@@ -122,6 +122,7 @@ ReportInput report_input(const std::vector<LabelledSession>& sessions, const std
     run.records = series.records.frames();
     run.jobs = series.jobs;
     run.pictures = series.pictures;
+    run.stereo_layer_mib = series.stereo_layer_mib;
     for (const WatchdogReport& fault : series.faults)
       run.faults.push_back({fault.stage, fault.clause, fault.count, fault.first_frame});
     if (!series.failure.empty()) input.failure = series.failure;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -26,6 +27,7 @@ struct Series {
   std::vector<WatchdogReport> faults;  // that the watchdog found
   std::string failure;                 // "" or what ended the run before its end
   FrameLoopResult loop;
+  std::optional<double> stereo_layer_mib;  // memory of a single-pass stage's layers
 };
 
 /// Replays one session; pictures go into `run`. `device` is null when the session needs none. When a stage or

@@ -117,11 +117,18 @@ std::unique_ptr<FrameWork> count_with_probes(const SeriesWorkInputs& in, SeriesW
 
 /// What single-pass stereo takes, said before any of it is allocated.
 void announce_stereo(const SeriesWorkInputs& in, SeriesWork& work) {
+  if (is_by_novel_view(in.session)) {
+    const NovelViewMemory memory = novel_view_memory(in.session, in.headset);
+    if (in.options.messages) fmt::print(stderr, "stereo/novel_view: {}\n", memory.summary);
+    work.facts.push_back({"stereo/novel_view", memory.summary});
+    work.stereo_layer_mib = static_cast<double>(memory.bytes) / (1024.0 * 1024.0);
+  }
   if (!is_by_layers(in.session)) return;
   const StereoPlan plan =
       plan_single_pass(*in.device, in.session, in.headset, work.scene->volume.info(), in.placement);
   if (in.options.messages) fmt::print(stderr, "stereo/layers: {}\n", plan.summary);
   work.facts.push_back({"stereo/layers", plan.summary});
+  work.stereo_layer_mib = static_cast<double>(plan.bytes) / (1024.0 * 1024.0);
   if (plan.layers_left_out) work.left_out.push_back({"stereo", plan.summary});
 }
 

@@ -31,6 +31,7 @@ struct SeriesWork {
   PixelWork* pixels = nullptr;            // the same, where it makes pictures
   std::vector<Fact> facts;                // for the report
   std::vector<LeftOut> left_out;
+  std::optional<double> stereo_layer_mib;  // memory of a single-pass stage's layers
 };
 
 /// Pictures where the session wants some, or measures its costs; else counts from probes, or those of a

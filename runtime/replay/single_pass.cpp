@@ -71,51 +71,90 @@ StereoPlan plan_single_pass(const gpu::Device& device, const Session& session, c
       {std::min(limits.storage_buffer_bytes_max, limits.allocation_bytes_max), limits.memory_bytes});
 }
 
+SimDuration SinglePass::submit() {
+  SimDuration time{0};
+  for (const gpu::Timing& timing : gpu::submit_and_wait(commands_))
+    time += SimDuration(timing.device_ns);
+  commands_.reset();
+  return time;
+}
+
+void SinglePass::cast_rays(const CastPipeline& pipeline, const CastPipeline::Resources& resources,
+                           const CastArea& area, const Cells* cells) {
+  pipeline.reset_counters(device_);
+  commands_.reset();
+  commands_.barrier();
+  step("opening", [&] { pipeline.record_opening(commands_, resources, area); });
+  if (cells == nullptr) {
+    step("cast", [&] { pipeline.record_cast(commands_, resources, area); });
+    return;
+  }
+  const SimDuration opening = submit();
+  const auto [columns, rows, outcomes] = *cells;
+  outcomes.clear();
+  for (int row = 0; row < rows; ++row)
+    for (int column = 0; column < columns; ++column) {
+      const int x = area.width * column / columns, y = area.height * row / rows;
+      const CastArea cell{area.x + x, area.y + y, area.width * (column + 1) / columns - x,
+                          area.height * (row + 1) / rows - y};
+      pipeline.reset_counters(device_);
+      step("cast", [&] { pipeline.record_cast(commands_, resources, cell); });
+      const SimDuration time = submit();
+      outcomes.push_back({pipeline.counted(device_), time});
+    }
+  outcomes.front().device_time += opening;
+}
+
+JobOutcome SinglePass::finish(const std::function<WorkCounts()>& work, const Cells* cells) {
+  JobOutcome outcome;
+  outcome.device_time = submit();
+  outcome.work = work();
+  if (cells == nullptr) return outcome;
+  std::vector<CellOutcome>& outcomes = cells->outcomes;
+  const CellOutcome last{outcome.work, outcome.device_time};
+  for (const CellOutcome& cell : outcomes) {
+    outcome.work += cell.work;
+    outcome.device_time += cell.device_time;
+  }
+  outcomes.resize(2 * outcomes.size());
+  outcomes.back() = last;
+  outcome.cells = outcomes;
+  return outcome;
+}
+
 ByLayers::ByLayers(const Inputs& in, const StereoPlan& plan, const CastKernels& kernels,
                    const CastKernels& plain)
-    : device_(in.device),
+    : SinglePass(in.device, "single-pass stereo"),
       headset_(in.headset),
       scene_(in.scene),
       placement_(in.placement),
       pipeline_(in.device, kernels),
       layers_(in.device, in.session.pipeline.at("stereo"), plan, in.headset.eye.width_px,
-              in.headset.eye.height_px, {in.data_folder / "glsl", in.data_folder / "kernels" / "stereo"}),
-      commands_(in.device, "single-pass stereo") {
+              in.headset.eye.height_px, {in.data_folder / "glsl", in.data_folder / "kernels" / "stereo"}) {
   if (plan.settings.fresh_rays && !plan.layers_left_out)
     holes_.emplace(in.device, plain, in.headset.eye.width_px, in.headset.eye.height_px, hole_folders(in));
 }
 
-std::optional<JobOutcome> ByLayers::render(const Pose& world_from_head, const EyePair& into) {
+std::optional<JobOutcome> ByLayers::render(const Pose& world_from_head, const EyePair& into,
+                                           const Cells* cells) {
   const EyeViews eyes = views_of(headset_, world_from_head);
   ++frames_;
   if (!layers_.begin_frame(eyes, scene_.volume.info(), placement_)) {
     ++cast_twice_;
     return {};
   }
-  const EyeTarget& left = into[0];
-  const EyeTarget& right = into[1];
+  const EyeTarget &left = into[0], &right = into[1];
   CastPipeline::set_eye(device_, left, eyes.left, placement_, scene_.volume, scene_.transfer, layers_.grid());
   CastPipeline::set_eye(device_, right, eyes.right, placement_, scene_.volume, scene_.transfer,
                         holes_ ? std::optional(holes_->grid()) : std::nullopt);
   const auto skip = scene_.skip_bindings();
   bindings_.assign(skip.begin(), skip.end());
-  if (!layers_.plan().layers_left_out) {
+  if (!layers_.plan().layers_left_out)
     bindings_.insert(bindings_.end(), layers_.bindings().begin(), layers_.bindings().end());
-  }
   const CastPipeline::Resources resources{scene_.volume, scene_.transfer, layers_.rays(), left, bindings_};
-  pipeline_.reset_counters(device_);
   layers_.reset_counters();
   if (holes_) holes_->reset_counters();
-  commands_.reset();
-  const auto step = [&](const char* name, const auto& record) {
-    commands_.begin_timing(name);
-    record();
-    commands_.barrier();
-    commands_.end_timing();
-  };
-  commands_.barrier();
-  step("opening", [&] { pipeline_.record_opening(commands_, resources, layers_.ray_area()); });
-  step("cast", [&] { pipeline_.record_cast(commands_, resources, layers_.ray_area()); });
+  cast_rays(pipeline_, resources, layers_.ray_area(), cells);
   step("closing", [&] {
     pipeline_.record_closing(commands_, resources, {0, 0, left.width_px, left.height_px});
   });
@@ -127,21 +166,24 @@ std::optional<JobOutcome> ByLayers::render(const Pose& world_from_head, const Ey
         commands_,
         {scene_.volume, scene_.transfer, layers_.rays(), right, scene_.skip_bindings(), {}, holes_->grid()});
   });
-  JobOutcome outcome;
-  for (const gpu::Timing& timing : gpu::submit_and_wait(commands_))
-    outcome.device_time += SimDuration(timing.device_ns);
-  outcome.work = pipeline_.counted(device_);
+  return finish([&] { return work_of_frame(cells); }, cells);
+}
+
+WorkCounts ByLayers::work_of_frame(const Cells* cells) {
+  WorkCounts work;
+  if (cells == nullptr) work = pipeline_.counted(device_);
   const StereoLayers::Counts counts = layers_.counted();
   // In the texels of cost models, 8 bytes read and 8 written. Neighbours find the range of a ray, 8 bytes, in
   // the cache (assumed): it is written once and read once.
   const auto texel_bytes = static_cast<std::uint64_t>(layers_.plan().settings.bytes_per_texel);
-  outcome.work.texels = (std::uint64_t{counts.written} + counts.read) * texel_bytes / 16 + outcome.work.rays;
+  const auto rays = static_cast<std::uint64_t>(layers_.ray_area().width * layers_.ray_area().height);
+  work.texels = (std::uint64_t{counts.written} + counts.read) * texel_bytes / 16 + rays;
   if (holes_) {
     const WorkCounts fresh = holes_->counted();
-    outcome.work += fresh;
+    work += fresh;
     fresh_rays_ += static_cast<std::int64_t>(fresh.rays);
   }
-  return outcome;
+  return work;
 }
 
 std::string ByLayers::note() const {
@@ -157,20 +199,28 @@ std::string ByLayers::note() const {
 
 namespace {
 
-/// The tangents of the left eye between which the right eye sees content at depths from near_m on. Canted
-/// displays are eyes like others here.
-EyeView widened(const EyeViews& eyes, double near_m) {
+/// What the rays are cast from: the left eye, or a place between both that looks as the left does.
+EyeView reference_of(const EyeViews& eyes, bool middle) {
+  EyeView reference = eyes.left;
+  if (!middle) return reference;
+  const Pose &left = eyes.left.world_from_eye, &right = eyes.right.world_from_eye;
+  reference.world_from_eye.position = 0.5 * (left.position + right.position);
+  reference.world_from_eye.orientation = glm::slerp(left.orientation, right.orientation, 0.5);
+  return reference;
+}
+
+/// `wide`, with the tangents of `reference` between which an eye sees content at depths from near_m on.
+/// Canted displays are eyes like others here.
+EyeView widened(EyeView wide, const EyeView& reference, const EyeView& eye, double near_m) {
   constexpr double far_m = 1e3;
-  EyeView wide = eyes.left;
-  const EyeView& right = eyes.right;
-  const Pose left_from_right = compose(inverse(eyes.left.world_from_eye), right.world_from_eye);
-  const std::array xs = {right.tan_left, 0.5 * (right.tan_left + right.tan_right), right.tan_right};
-  const std::array ys = {right.tan_bottom, 0.5 * (right.tan_bottom + right.tan_top), right.tan_top};
+  const Pose reference_from_eye = compose(inverse(reference.world_from_eye), eye.world_from_eye);
+  const std::array xs = {eye.tan_left, 0.5 * (eye.tan_left + eye.tan_right), eye.tan_right};
+  const std::array ys = {eye.tan_bottom, 0.5 * (eye.tan_bottom + eye.tan_top), eye.tan_top};
   for (const double x : xs)
     for (const double y : ys)
       for (const double depth_m : {near_m, far_m}) {
         const glm::dvec3 p =
-            left_from_right.orientation * (depth_m * glm::dvec3(x, y, -1.0)) + left_from_right.position;
+            reference_from_eye.orientation * (depth_m * glm::dvec3(x, y, -1.0)) + reference_from_eye.position;
         if (p.z >= -0.1 * depth_m) continue;  // so far beside that no plane shows it
         wide.tan_left = std::min(wide.tan_left, p.x / -p.z);
         wide.tan_right = std::max(wide.tan_right, p.x / -p.z);
@@ -180,33 +230,41 @@ EyeView widened(const EyeViews& eyes, double near_m) {
   return wide;
 }
 
-/// The left eye's rays with those beside its picture that the right eye sees content of.
-RayGrid grid_with_margins(const Headset& headset, double near_m) {
+/// The reference's rays with those beside its picture that an eye sees content of.
+RayGrid grid_with_margins(const Headset& headset, double near_m, bool middle) {
   const EyeViews eyes = views_of(headset, Pose{});
-  const EyeView wide = widened(eyes, near_m);
-  const double across = (eyes.left.tan_right - eyes.left.tan_left) / headset.eye.width_px;
-  const double down = (eyes.left.tan_top - eyes.left.tan_bottom) / headset.eye.height_px;
+  const EyeView reference = reference_of(eyes, middle);
+  EyeView wide = widened(reference, reference, eyes.right, near_m);
+  if (middle) wide = widened(wide, reference, eyes.left, near_m);
+  const double across = (reference.tan_right - reference.tan_left) / headset.eye.width_px;
+  const double down = (reference.tan_top - reference.tan_bottom) / headset.eye.height_px;
   const auto pixels = [](double tangents, double per_px) {
     return static_cast<int>(std::ceil(tangents / per_px - 1e-9));
   };
-  const int left = pixels(eyes.left.tan_left - wide.tan_left, across);
-  const int right = pixels(wide.tan_right - eyes.left.tan_right, across);
-  const int top = pixels(wide.tan_top - eyes.left.tan_top, down);
-  const int bottom = pixels(eyes.left.tan_bottom - wide.tan_bottom, down);
+  const int left = pixels(reference.tan_left - wide.tan_left, across);
+  const int right = pixels(wide.tan_right - reference.tan_right, across);
+  const int top = pixels(wide.tan_top - reference.tan_top, down);
+  const int bottom = pixels(reference.tan_bottom - wide.tan_bottom, down);
   return {left + headset.eye.width_px + right, top + headset.eye.height_px + bottom, left, top};
+}
+
+constexpr std::uint64_t kLayerBytes = 16;  // of a ray
+
+std::uint64_t rays_of(const RayGrid& grid) {
+  return static_cast<std::uint64_t>(grid.across) * static_cast<std::uint64_t>(grid.down);
 }
 
 gpu::Buffer layer_buffer(const gpu::Device& device, const RayGrid& grid, const PipelineStage& stereo) {
   const auto layers = static_cast<std::uint64_t>(stereo.value("layers"));
-  const std::uint64_t rays = static_cast<std::uint64_t>(grid.across) * static_cast<std::uint64_t>(grid.down);
-  const std::uint64_t bytes = rays * layers * 16, bytes_max = device.limits().storage_buffer_bytes_max;
+  const std::uint64_t bytes = rays_of(grid) * layers * kLayerBytes;
+  const std::uint64_t bytes_max = device.limits().storage_buffer_bytes_max;
   if (bytes > bytes_max) {
     throw input_error(
         "{}: {} layers of {} x {} rays need {} bytes, but {} binds at most {}; accepted: layers up to {}, or "
         "a smaller "
         "device.resolution_scale",
         stereo.stage.id(), layers, grid.across, grid.down, bytes, device.info().name, bytes_max,
-        bytes_max / (rays * 16));
+        bytes_max / (rays_of(grid) * kLayerBytes));
   }
   return {device, "novel view layers", bytes, gpu::Memory::device};
 }
@@ -218,63 +276,82 @@ const Session& checked(const Session& session) {
 
 }  // namespace
 
+NovelViewMemory novel_view_memory(const Session& session, const Headset& headset) {
+  const PipelineStage& stereo = session.pipeline.at("stereo");
+  const RayGrid grid = grid_with_margins(headset, stereo.value("near_m"), stereo.value("reference") == 1.0);
+  const auto layers = static_cast<std::uint64_t>(stereo.value("layers"));
+  NovelViewMemory memory{rays_of(grid) * layers * kLayerBytes, ""};
+  memory.summary = fmt::format("{} layers of {} x {} rays, {:.2f} MiB", layers, grid.across, grid.down,
+                               static_cast<double>(memory.bytes) / (1024.0 * 1024.0));
+  return memory;
+}
+
 ByNovelView::ByNovelView(const Inputs& in, const CastKernels& kernels, const CastKernels& plain)
-    : device_(in.device),
+    : SinglePass(in.device, "stereo by novel view"),
       headset_(in.headset),
       scene_(in.scene),
       placement_(in.placement),
-      grid_(grid_with_margins(in.headset, checked(in.session).pipeline.at("stereo").value("near_m"))),
+      middle_(checked(in.session).pipeline.at("stereo").value("reference") == 1.0),
+      grid_(grid_with_margins(in.headset, in.session.pipeline.at("stereo").value("near_m"), middle_)),
       pipeline_(in.device, kernels),
       rays_(in.device, grid_.across, grid_.down),
       layers_(layer_buffer(in.device, grid_, in.session.pipeline.at("stereo"))),
       view_(in.device, in.session.pipeline.at("stereo"), hole_folders(in), false, true),
       holes_(in.device, plain, in.headset.eye.width_px, in.headset.eye.height_px, hole_folders(in)),
       box_{in.placement.world_from_volume,
-           box_size_with_longest_edge(in.scene.volume.info(), in.placement.size_m)},
-      commands_(in.device, "stereo by novel view") {}
+           box_size_with_longest_edge(in.scene.volume.info(), in.placement.size_m)} {
+  if (middle_) reference_.emplace(in.device, in.headset.eye.width_px, in.headset.eye.height_px);
+}
 
-void ByNovelView::record_left(const EyeTarget& left) {
-  const CastPipeline::Resources resources{scene_.volume, scene_.transfer, rays_, left, bindings_};
-  const CastArea all{0, 0, grid_.across, grid_.down};
-  commands_.barrier();
-  commands_.begin_timing("cast");
-  pipeline_.record_opening(commands_, resources, all);
-  commands_.barrier();
-  pipeline_.record_cast(commands_, resources, all);
-  commands_.barrier();
-  pipeline_.record_closing(commands_, resources, {0, 0, left.width_px, left.height_px});
-  commands_.barrier();
+CastPipeline::Resources ByNovelView::resources_of(const EyeTarget& target) const {
+  return {scene_.volume, scene_.transfer, rays_, target, bindings_};
+}
+
+void ByNovelView::record_view(const EyeView& reference, const EyeView& eye, const EyeTarget& into) {
+  CastPipeline::set_eye(device_, into, eye, placement_, scene_.volume, scene_.transfer, holes_.grid());
+  commands_.begin_timing("stereo");
+  view_.record(commands_, {layers_, reference, grid_}, eye, into, box_, &holes_.holes());
+  holes_.record(commands_, {scene_.volume, scene_.transfer, rays_, into, bindings_, {}, holes_.grid()});
   commands_.end_timing();
 }
 
-std::optional<JobOutcome> ByNovelView::render(const Pose& world_from_head, const EyePair& into) {
+std::optional<JobOutcome> ByNovelView::render(const Pose& world_from_head, const EyePair& into,
+                                              const Cells* cells) {
   const EyeViews eyes = views_of(headset_, world_from_head);
+  const EyeView reference = reference_of(eyes, middle_);
   ++frames_;
-  const EyeTarget &left = into[0], &right = into[1];
-  CastPipeline::set_eye(device_, left, eyes.left, placement_, scene_.volume, scene_.transfer, grid_);
-  CastPipeline::set_eye(device_, right, eyes.right, placement_, scene_.volume, scene_.transfer,
-                        holes_.grid());
+  const EyeTarget& cast_into = middle_ ? *reference_ : into[0];
+  CastPipeline::set_eye(device_, cast_into, reference, placement_, scene_.volume, scene_.transfer, grid_);
   const auto skip = scene_.skip_bindings();
   bindings_.assign(skip.begin(), skip.end());
   bindings_.push_back(layers_binding(layers_));
-  pipeline_.reset_counters(device_);
   holes_.reset_counters();
-  commands_.reset();
-  record_left(left);
-  commands_.begin_timing("stereo");
-  view_.record(commands_, {layers_, eyes.left, grid_}, eyes.right, right, box_, &holes_.holes());
-  holes_.record(commands_, {scene_.volume, scene_.transfer, rays_, right, bindings_, {}, holes_.grid()});
-  commands_.end_timing();
-  JobOutcome outcome;
-  for (const gpu::Timing& timing : gpu::submit_and_wait(commands_))
-    outcome.device_time += SimDuration(timing.device_ns);
+  const CastPipeline::Resources resources = resources_of(cast_into);
+  cast_rays(pipeline_, resources, {0, 0, grid_.across, grid_.down}, cells);
+  SimDuration first_view{0};
+  if (middle_) {
+    record_view(reference, eyes.left, into[0]);
+    first_view = submit();  // the next view has the same parameters
+  } else {
+    step("closing", [&] {
+      pipeline_.record_closing(commands_, resources, {0, 0, cast_into.width_px, cast_into.height_px});
+    });
+  }
+  record_view(reference, eyes.right, into[1]);
+  JobOutcome outcome = finish([&] { return work_of_frame(cells); }, cells);
+  outcome.device_time += first_view;
+  if (cells != nullptr) cells->outcomes.back().device_time += first_view;
+  return outcome;
+}
+
+WorkCounts ByNovelView::work_of_frame(const Cells* cells) {
   const WorkCounts fresh = holes_.counted();
-  outcome.work = pipeline_.counted(device_);
-  outcome.work += fresh;
-  outcome.work.texels = view_.counted().segments;
+  WorkCounts work = fresh;
+  if (cells == nullptr) work += pipeline_.counted(device_);
+  work.texels = view_.counted().segments;
   fresh_rays_ += static_cast<std::int64_t>(fresh.rays);
   view_.reset_counters();
-  return outcome;
+  return work;
 }
 
 std::string ByNovelView::note() const {

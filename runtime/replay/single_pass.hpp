@@ -6,6 +6,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "runtime/frame/frame_work.hpp"
 #include "runtime/replay/headset.hpp"
@@ -32,6 +33,13 @@ inline bool is_single_pass(const Session& session) {
 StereoPlan plan_single_pass(const gpu::Device& device, const Session& session, const Headset& headset,
                             const VolumeInfo& volume, const VolumePlacement& placement);
 
+/// What stereo/novel_view takes; nothing is allocated.
+struct NovelViewMemory {
+  std::uint64_t bytes = 0;  // of the layers
+  std::string summary;      // for the report
+};
+NovelViewMemory novel_view_memory(const Session& session, const Headset& headset);
+
 /// Renders both eyes by casting the left one's rays alone.
 class SinglePass {
  public:
@@ -44,13 +52,41 @@ class SinglePass {
     const VolumePlacement& placement;
     const std::filesystem::path& data_folder;
   };
+  explicit SinglePass(const gpu::Device& device, const char* name)
+      : device_(device), commands_(device, name) {}
   virtual ~SinglePass() = default;
 
+  /// Wants the cast in cells, a grid over its rays, each submitted by itself. Outcomes are as many as those
+  /// of two eyes: what follows the cast comes in one piece, the last of them; those before it have no work.
+  struct Cells {
+    int columns, rows;
+    std::vector<CellOutcome>& outcomes;
+  };
+
   /// Empty: the volume is too near for this frame, which must be cast twice; nothing was done.
-  virtual std::optional<JobOutcome> render(const Pose& world_from_head, const EyePair& into) = 0;
+  virtual std::optional<JobOutcome> render(const Pose& world_from_head, const EyePair& into,
+                                           const Cells* cells) = 0;
 
   /// For the report, e.g. how many frames were cast twice and why; "" if there is nothing to say.
   virtual std::string note() const = 0;
+
+ protected:
+  template <class Record>
+  void step(const char* name, const Record& record) {
+    commands_.begin_timing(name);
+    record();
+    commands_.barrier();
+    commands_.end_timing();
+  }
+  SimDuration submit();
+  /// Opening brace and cast of an area of rays, submitted if there are cells, else only recorded.
+  void cast_rays(const CastPipeline& pipeline, const CastPipeline::Resources& resources, const CastArea& area,
+                 const Cells* cells);
+  /// Submits what was recorded after cast_rays; `work` of a frame without cells, or of what follows them.
+  JobOutcome finish(const std::function<WorkCounts()>& work, const Cells* cells);
+
+  const gpu::Device& device_;
+  gpu::CommandList commands_;
 };
 
 /// stereo/layers: by re-projection layers.
@@ -61,11 +97,13 @@ class ByLayers final : public SinglePass {
   ByLayers(const Inputs& inputs, const StereoPlan& plan, const CastKernels& kernels,
            const CastKernels& plain);
 
-  std::optional<JobOutcome> render(const Pose& world_from_head, const EyePair& into) override;
+  std::optional<JobOutcome> render(const Pose& world_from_head, const EyePair& into,
+                                   const Cells* cells) override;
   std::string note() const override;
 
  private:
-  const gpu::Device& device_;
+  WorkCounts work_of_frame(const Cells* cells);
+
   const Headset& headset_;
   const SceneOnDevice& scene_;
   VolumePlacement placement_;
@@ -73,7 +111,6 @@ class ByLayers final : public SinglePass {
   StereoLayers layers_;
   std::optional<HoleRays> holes_;  // where pixels get rays of their own
   std::vector<gpu::Binding> bindings_;
-  gpu::CommandList commands_;
   std::int64_t frames_ = 0, cast_twice_ = 0, fresh_rays_ = 0;
 };
 
@@ -84,16 +121,20 @@ class ByNovelView final : public SinglePass {
   /// plan_single_pass does, and for layers that the device cannot hold.
   ByNovelView(const Inputs& inputs, const CastKernels& kernels, const CastKernels& plain);
 
-  std::optional<JobOutcome> render(const Pose& world_from_head, const EyePair& into) override;
+  std::optional<JobOutcome> render(const Pose& world_from_head, const EyePair& into,
+                                   const Cells* cells) override;
   std::string note() const override;
 
  private:
-  void record_left(const EyeTarget& left);
+  CastPipeline::Resources resources_of(const EyeTarget& target) const;
+  WorkCounts work_of_frame(const Cells* cells);
+  /// What an eye sees, with fresh rays for what is not known.
+  void record_view(const EyeView& reference, const EyeView& eye, const EyeTarget& into);
 
-  const gpu::Device& device_;
   const Headset& headset_;
   const SceneOnDevice& scene_;
   VolumePlacement placement_;
+  bool middle_;  // both eyes are views from between them; else the left one is cast
   RayGrid grid_;
   CastPipeline pipeline_;
   RayBuffers rays_;
@@ -102,8 +143,8 @@ class ByNovelView final : public SinglePass {
   HoleRays holes_;
   NovelView::Box box_;
   std::vector<gpu::Binding> bindings_;
-  gpu::CommandList commands_;
   std::int64_t frames_ = 0, fresh_rays_ = 0;
+  std::optional<EyeTarget> reference_;  // of the middle
 };
 
 /// What of a session's work is done in single pass; `cast_kernels(true)` composes its stereo stage's snippet

@@ -69,6 +69,7 @@ struct RunSeries {
   /// part that was kept, for the page. Without them the figures are those of `records` and `jobs`.
   std::optional<PacingFigures> figures;
   std::optional<FrameRate> rate;
+  std::optional<double> stereo_layer_mib;  // memory of a single-pass stage's layers
 };
 
 struct ClockInfo {

@@ -143,6 +143,7 @@ Json figures_json(const RunSeries& series) {
                       {"update", real(gpu.update_ms)},
                       {"warp", real(gpu.warp_ms)}};
   }
+  if (series.stereo_layer_mib) json["stereo_layer_mib"] = real(*series.stereo_layer_mib);
   json["dssim"] = dssim_json(series.records);
   json["angular_error_deg"] = distribution_json(pacing.angular_error_deg);
   json["position_error_mm"] = distribution_json(pacing.position_error_mm);

@@ -28,7 +28,7 @@ StereoGeometry stereo_geometry(const EyeView& left, const EyeView& right) {
     throw input_error(
         "stage stereo/layers: this headset's displays are canted by {:.3f} degrees, so no shift along the "
         "rows "
-        "takes one eye's picture to the other's; accepted for it: stereo/two_pass",
+        "takes one eye's picture to the other's; accepted for it: stereo/novel_view, stereo/two_pass",
         glm::degrees(cant_rad));
   }
   const glm::dvec3 apart = left_from_right.position;

@@ -22,7 +22,7 @@ struct SummaryFigure {
   const char* pointer;  // into summary.json
 };
 
-constexpr std::array<SummaryFigure, 27> summary_figures{{
+constexpr std::array<SummaryFigure, 28> summary_figures{{
     {"vsyncs", "/vsyncs"},
     {"missed_vsyncs", "/missed_vsyncs"},
     {"missed_ratio", "/missed_ratio"},
@@ -50,6 +50,7 @@ constexpr std::array<SummaryFigure, 27> summary_figures{{
     {"angular_error_deg_max", "/angular_error_deg/max"},
     {"position_error_mm_p50", "/position_error_mm/p50"},
     {"position_error_mm_max", "/position_error_mm/max"},
+    {"stereo_layer_mib", "/stereo_layer_mib"},
 }};
 
 struct WorkFigure {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <set>
 
@@ -28,6 +29,15 @@ constexpr std::array works{Axis{"cast_ms_p50", "cast, p50", "ms"}, Axis{"cast_ms
                            Axis{"rays", "rays per eye frame", ""}};
 constexpr std::array errors{Axis{"dssim_mean", "DSSIM, mean", ""}, Axis{"dssim_p95", "DSSIM, p95", ""},
                             Axis{"dssim_max", "DSSIM, max", ""}};
+/// What can be drawn along the knob; the first two are derived here.
+constexpr std::array along{Axis{"second_eye_saved", "time saved on the second eye, V", ""},
+                           Axis{"second_eye_ms", "time of the second eye", "ms"},
+                           Axis{"cast_ms_p50", "cast, p50", "ms"},
+                           Axis{"samples", "samples per eye frame", ""},
+                           Axis{"shading_fetches", "shading fetches per eye frame", ""},
+                           Axis{"rays", "rays per eye frame", ""},
+                           Axis{"stereo_layer_mib", "memory of the stereo stage's layers", "MiB"},
+                           Axis{"dssim_mean", "DSSIM, mean", ""}};
 constexpr double period_ms = 1e3 / 90.0;
 
 /// All repetitions of a point.
@@ -83,6 +93,31 @@ std::vector<PagePoint> gather(const SweepFile& sweep, const std::vector<SweepRow
     points.push_back(std::move(point));
   }
   return points;
+}
+
+/// Where two passes are among the sweep's stereo stages: what each point's pair of eyes takes beyond the
+/// first of them, and V = 1 - (T_pair - T_eye) / T_eye (Buchacher 2017, eq. 23), T_eye half of two passes
+/// with otherwise the same settings.
+void derive_second_eye(const SweepFile& sweep, std::vector<PagePoint>& points) {
+  const auto key = std::find(sweep.keys.begin(), sweep.keys.end(), "pipeline.stereo");
+  const auto at = static_cast<std::size_t>(key - sweep.keys.begin());
+  const auto others = [&](const PagePoint& point) {
+    std::vector<std::string> settings = point.settings;
+    settings[at].clear();
+    return settings;
+  };
+  for (PagePoint& point : points) {
+    point.figures["second_eye_ms"] = point.figures["second_eye_saved"] =
+        std::numeric_limits<double>::quiet_NaN();
+    if (key == sweep.keys.end() || point.settings[at] == "two_pass") continue;
+    for (const PagePoint& twice : points) {
+      if (twice.settings[at] != "two_pass" || others(twice) != others(point)) continue;
+      const double eye_ms = 0.5 * twice.figures.at("cast_ms_mean");
+      const double second_ms = point.figures.at("cast_ms_mean") - eye_ms;
+      point.figures["second_eye_ms"] = second_ms;
+      point.figures["second_eye_saved"] = 1.0 - second_ms / eye_ms;
+    }
+  }
 }
 
 PageJson number(double value) {
@@ -152,7 +187,8 @@ PageJson axis_json(const Axis& axis) {
 
 PageJson page_json(const SweepFile& sweep, const std::vector<SweepRow>& rows, const std::string& version) {
   const std::string knob = knob_of(sweep);
-  const std::vector<PagePoint> points = gather(sweep, rows, knob);
+  std::vector<PagePoint> points = gather(sweep, rows, knob);
+  derive_second_eye(sweep, points);
   PageJson json = {{"version", version},
                    {"sweep", sweep.file.filename().string()},
                    {"session", sweep.session.filename().string()},
@@ -165,6 +201,12 @@ PageJson page_json(const SweepFile& sweep, const std::vector<SweepRow>& rows, co
     json["works"].push_back(axis_json(work));
   for (const Axis& error : errors)
     json["errors"].push_back(axis_json(error));
+  json["along"] = PageJson::array();
+  for (const Axis& axis : along) {
+    const auto has = [&](const PagePoint& point) { return !std::isnan(point.figures.at(axis.figure)); };
+    if (!knob.empty() && std::any_of(points.begin(), points.end(), has))
+      json["along"].push_back(axis_json(axis));
+  }
   json["points"] = PageJson::array();
   for (const PagePoint& point : points) {
     PageJson figures = PageJson::object();

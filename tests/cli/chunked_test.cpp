@@ -79,12 +79,15 @@ TEST_F(ChunkedRun, CountedCellsCostWhatRenderedOnesDo) {
 TEST_F(ChunkedRun, WhatCannotBeCastInCellsIsRefusedByName) {
   for (const auto& [setting, words] :
        {std::pair<std::string, std::string>{"pipeline.cast=native", "cast/native"},
-        {"pipeline.stereo=layers", "stereo/layers"},
         {"run.watchdog=outputs", "run.watchdog"}}) {
     const Outcome outcome = try_run("a", {"pipeline.schedule=chunked", setting});
     EXPECT_EQ(outcome.exit_code, 2);
     EXPECT_THAT(outcome.err, HasSubstr("schedule/chunked does not work with " + words));
   }
+  const Outcome composed =
+      try_run("a", {"pipeline.schedule=chunked", "stage.chunked.order=gaze", "pipeline.stereo=layers"});
+  EXPECT_EQ(composed.exit_code, 2);
+  EXPECT_THAT(composed.err, HasSubstr("does not work with stereo/layers"));
   EXPECT_EQ(try_run("a", {"pipeline.schedule=chunked", "stage.chunked.columns=0"}).exit_code, 2);
   EXPECT_THAT(place_.names(), ::testing::ElementsAre("s.toml"));
 }

@@ -1,6 +1,8 @@
 // stereo/layers and stereo/novel_view through the command: their pictures beside those of two passes.
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
+#include <map>
 #include <numeric>
 
 #include <gmock/gmock.h>
@@ -150,8 +152,10 @@ points = [
 
 TEST_F(Stereo, NovelViewIsRefusedByNameWhereItsLayersCannotBeMade) {
   for (const char* setting : {"pipeline.rays=mab", "pipeline.cast=native", "run.watchdog=full",
-                              "pipeline.schedule=chunked", "pipeline.warp=volumetric"}) {
-    const Outcome outcome = run("one", {"pipeline.stereo=novel_view", setting});
+                              "stage.chunked.order=cost", "pipeline.warp=volumetric"}) {
+    std::vector<std::string> settings = {"pipeline.stereo=novel_view", setting};
+    if (std::string(setting) == "stage.chunked.order=cost") settings.push_back("pipeline.schedule=chunked");
+    const Outcome outcome = run("one", settings);
     EXPECT_EQ(outcome.exit_code, 2) << setting;
     EXPECT_THAT(outcome.err, HasSubstr("stereo/novel_view")) << setting;
   }
@@ -169,6 +173,34 @@ TEST_F(Stereo, WhatOnlyTheRightEyeSeesGetsRaysOfItsOwn) {
   };
   EXPECT_GT(fresh_rays("scene.position=-0.125,1.6,-0.6"), 30.0);
   EXPECT_LT(fresh_rays("scene.position=0,1.6,-3"), 3.0);
+}
+
+TEST_F(Stereo, MemoryOfLayersIsSaidAndIsThatOfTheSourcesFormula) {
+  const std::vector<std::string> less = {"output.images=none", "output.error=none", "run.frames=1",
+                                         "stage.layers.layers=9"};
+  const std::map<std::string, double> bytes_per_texel = {{"rgba8", 4}, {"rgba16f", 8}, {"rgba32f", 16}};
+  for (const auto& [format, bytes] : bytes_per_texel) {
+    std::vector<std::string> settings = less;
+    settings.insert(settings.end(), {"pipeline.stereo=layers", "stage.layers.format=" + format});
+    const Outcome outcome = run(format, settings);
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+    int width = 0, height = 0;  // the Vive's rows of both eyes lie between each other: a few more than 72
+    const std::size_t said = outcome.err.find("9 layers of ");
+    ASSERT_NE(said, std::string::npos) << outcome.err;
+    ASSERT_EQ(std::sscanf(outcome.err.c_str() + said, "9 layers of %d x %d px", &width, &height), 2);
+    EXPECT_EQ(width, 65);
+    EXPECT_NEAR(height, 74, 2);
+    EXPECT_THAT(outcome.err, HasSubstr("px in " + format));
+    const double mib = width * height * 9 * bytes / (1024.0 * 1024.0);
+    EXPECT_NEAR(summary(format)["stereo_layer_mib"].get<double>(), mib, 1e-9);
+  }
+  std::vector<std::string> too_much = less;
+  too_much.insert(too_much.end(), {"pipeline.stereo=layers", "stage.layers.layers=4096",
+                                   "device.resolution_scale=1", "stage.layers.format=rgba32f"});
+  const Outcome refused = run("much", too_much);
+  EXPECT_EQ(refused.exit_code, 2);
+  EXPECT_THAT(refused.err, HasSubstr("what fits: stage.\"layers\".layers = "));
+  EXPECT_THAT(run("novel", {"pipeline.stereo=novel_view"}).err, HasSubstr("4 layers of"));
 }
 
 TEST_F(Stereo, NovelViewWorksWithWarpsThatReadDepth) {

@@ -51,8 +51,8 @@ wait
 check long.html 7 1200 &
 check one_vsync.html 0 1200
 wait
-check sweep.html 1 1200 &
-check sweep.html 1 400 --force-dark-mode
+check sweep.html 2 1200 &
+check sweep.html 2 400 --force-dark-mode
 wait
 
 [ ! -e "$work/failed" ]

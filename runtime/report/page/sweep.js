@@ -115,6 +115,38 @@ function allowZoom(chart) {
   };
 }
 
+// ---- a figure along the knob ---------------------------------------------------------------------------
+
+function alongAxis() {
+  return data.along[Number(byId('along').value) || 0];
+}
+
+function drawAlong() {
+  if (!data.along.length) return;
+  const figure = alongAxis().figure;
+  const curveOf = (method) => data.points
+    .filter((point) => point.method === method && point.figures[figure] !== null && !Number.isNaN(Number(point.knob)))
+    .map((point) => ({x: Number(point.knob), y: point.figures[figure], one: {point}})).sort((a, b) => a.x - b.x);
+  const datasets = data.methods.map((method, i) => ({
+    label: method, data: curveOf(method), borderColor: seriesColour(i), backgroundColor: seriesColour(i), borderWidth: 1.6,
+    borderDash: i >= 5 ? [5, 3] : [], pointRadius: 4, pointStyle: shapes[i % shapes.length], showLine: true,
+  })).filter((dataset) => dataset.data.length);
+  const chart = drawChart('along-curves', {
+    type: 'scatter',
+    data: {datasets},
+    options: {
+      parsing: false,
+      interaction: {mode: 'nearest', intersect: false},
+      scales: {x: axis(data.knob, {type: 'linear'}), y: axis(titleOf(alongAxis()), {type: 'linear'})},
+      plugins: {legend: {display: false}, tooltip: {callbacks: {title: (items) => tipTitle(items),
+        label: (item) => titleOf(alongAxis()) + ': ' + digits(item.raw.y)}}},
+    },
+  });
+  showLegend('along-curves', chart);
+  byId('along-note').textContent = figure.startsWith('second_eye') ? 'Against two passes with the same settings: V = 1 − (T of ' +
+    'the pair − T of an eye) / T of an eye, an eye being half of two passes (means of the casts).' : '';
+}
+
 // ---- tables --------------------------------------------------------------------------------------------
 
 function fillTable(id, columns, rows) {
@@ -148,7 +180,8 @@ function showNeeds() {
 }
 
 const figureColumns = ['cast_ms_p50', 'cast_ms_p95', 'samples', 'rays', 'dssim_mean', 'dssim_p95', 'missed_ratio',
-  'mtp_rotation_ms_p99', 'mtp_translation_ms_p99'];
+  'mtp_rotation_ms_p99', 'mtp_translation_ms_p99'].concat(
+  data.along.map((one) => one.figure).filter((name) => name.startsWith('second_eye')));
 
 function rowOf(point) {
   return [point.point].concat(point.settings, point.status, figureColumns.map((name) => point.figures[name]), point.message || '');
@@ -184,6 +217,7 @@ function showPoints() {
 function drawAll() {
   charts.splice(0).forEach((chart) => chart.destroy());
   drawCurves();
+  drawAlong();
 }
 
 function setTheme(theme) {
@@ -194,6 +228,11 @@ function setTheme(theme) {
 function fillChoices() {
   data.works.forEach((one, i) => byId('work').append(new Option(one.label, i)));
   data.errors.forEach((one, i) => byId('error').append(new Option(one.label, i)));
+  data.along.forEach((one, i) => byId('along').append(new Option(one.label, i)));
+  byId('along-card').hidden = !data.along.length;
+  // A sweep without pictures has no error to draw.
+  byId('curves-card').hidden = data.along.length > 0 && data.points.every((point) => point.figures.dssim_mean === null);
+  byId('along').addEventListener('change', drawAll);
   for (const id of ['work', 'error']) {
     byId(id).addEventListener('change', () => {
       drawAll();

@@ -98,6 +98,25 @@ TEST_F(SweepPage, HasCurvesByMethodMediansAndWhatIsReached) {
   EXPECT_EQ(page["best_at_90_hz"]["skip none"]["knob"], "1") << "10 ms fit into a period";
 }
 
+TEST_F(SweepPage, SavesOnTheSecondEyeWhatTwoPassesWithTheSameSettingsTakeMore) {
+  const SweepFile sweep = parse_sweep(
+      "session = 's.toml'\n[grid]\npipeline.stereo = ['layers', 'two_pass']\n"
+      "scene.shading_samples = [4, 64]\n",
+      "sweep.toml");
+  const auto cast = [&](std::int64_t point, double ms) { return row(point, 1, {{"cast_ms_mean", ms}}); };
+  // Two passes: 4 and 20 ms, so an eye takes 2 and 10.
+  const nlohmann::json page = data(sweep, {cast(1, 5.0), cast(2, 12.0), cast(3, 4.0), cast(4, 20.0)});
+  const auto figure = [&](std::size_t point, const char* name) {
+    return page["points"][point]["figures"][name];
+  };
+  EXPECT_DOUBLE_EQ(figure(0, "second_eye_ms"), 3.0);
+  EXPECT_DOUBLE_EQ(figure(0, "second_eye_saved"), -0.5);
+  EXPECT_DOUBLE_EQ(figure(1, "second_eye_ms"), 2.0);
+  EXPECT_DOUBLE_EQ(figure(1, "second_eye_saved"), 0.8);
+  EXPECT_TRUE(figure(2, "second_eye_saved").is_null());
+  EXPECT_EQ(page["along"][0]["figure"], "second_eye_saved");
+}
+
 TEST_F(SweepPage, NothingRunYetIsAPageToo) {
   const nlohmann::json page = data(sweep_of(""), {});
   EXPECT_EQ(page["points"].size(), 12U);
