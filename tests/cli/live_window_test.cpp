@@ -80,10 +80,14 @@ TEST_F(Live, EditsTheTransferFunctionAndSavesWhatItShows) {
   const std::string log = drive("--screenshot edited.png", R"sh(
 click Figures; click Transfer
 for i in $(seq 200); do [ -n "$(at transfer.plot)" ] && break; sleep 0.05; done
-xdotool mousemove $(at transfer.plot); sleep 0.3
-xdotool click 1; sleep 0.05; xdotool mousedown 1; sleep 0.3
-for i in 1 2 3 4; do xdotool mousemove_relative -- 4 -10; sleep 0.1; done
-xdotool mouseup 1; sleep 0.2
+for i in 1 2 3 4 5 6; do
+  xdotool mousemove $(at transfer.plot); sleep 0.3; xdotool click --repeat 2 --delay 120 1; sleep 0.5
+  [ -n "$(at transfer.point.5)" ] && break
+done
+[ -n "$(at transfer.point.5)" ] || echo "never said: a sixth point" >>live.log
+xdotool mousemove $(at transfer.point.3); sleep 0.3; xdotool mousedown 1; sleep 0.3
+for i in 1 2 3; do xdotool mousemove_relative -- 4 -10; sleep 0.15; done
+xdotool mouseup 1; sleep 0.3
 click transfer.save; said 'live-transfer.toml, written'
 )sh");
   EXPECT_THAT(log, HasSubstr("transfer function in live-transfer.toml, written"));

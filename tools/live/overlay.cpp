@@ -10,6 +10,7 @@ namespace brace {
 
 Overlay::Overlay() : context_(ImGui::CreateContext()) {
   ImGuiIO& io = ImGui::GetIO();
+  io.MouseDoubleClickTime = 0.5f;                    // pictures may be slow to come
   io.IniFilename = nullptr;                          // leaves no file behind
   io.Fonts->Flags |= ImFontAtlasFlags_NoBakedLines;  // they need filtered texels
   io.Fonts->AddFontDefault();

@@ -44,6 +44,7 @@ class Overlay {
   bool heading(const char* name, bool open_at_first = false);
   /// Remembers where the last widget stands, if it is in view.
   void note_place(const std::string& name);
+  void note_place(const std::string& name, const WindowRect& rect) { places_[name] = rect; }
 
  private:
   ImGuiContext* context_;

@@ -93,6 +93,7 @@ void TransferPanel::follow_mouse(TransferFunction& function, const WindowRect& p
   const bool hovered = ImGui::IsItemHovered();
   if (hovered && ImGui::IsMouseDoubleClicked(ImGuiMouseButton_Left) && under == function.points.size()) {
     selected_ = add_point(function, value, range);
+    move_point(function, selected_, value, up * up, range);
     dragging_ = true;
     change.edited = function;
   } else if (hovered && ImGui::IsMouseClicked(ImGuiMouseButton_Right) && under < function.points.size()) {
@@ -125,6 +126,11 @@ TransferPanel::Change TransferPanel::show(Overlay& overlay, const TransferFuncti
   follow_mouse(function, plot, range, change);
   selected_ = std::min(selected_, function.points.size() - 1);
   draw_plot(function, bars_, selected_, plot, range);
+  for (std::size_t i = 0; i < function.points.size(); ++i) {
+    const std::array<float, 2> point_at = place_of(function.points[i], plot, range);
+    overlay.note_place(fmt::format("transfer.point.{}", i),
+                       {static_cast<int>(point_at[0]) - 4, static_cast<int>(point_at[1]) - 4, 8, 8});
+  }
 
   TransferPoint& point = function.points[selected_];
   ImGui::TextUnformatted(fmt::format("{:g} to {:g}; bars: log of the voxels", range.min, range.max).c_str());

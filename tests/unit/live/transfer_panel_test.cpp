@@ -143,6 +143,8 @@ TEST(TransferPanel, SetsAPointByADoubleClickAndTakesOneByTheRightButton) {
   }
   ASSERT_EQ(window.function_.points.size(), 4U);
   EXPECT_NEAR(window.function_.points[1].value, 30.0, 1.0);
+  EXPECT_NEAR(opacity_from_kappa(window.function_.points[1].sample.kappa, 1.0), 25.0 / 36.0, 0.02)
+      << "at the mouse, 20 of 120 pixels below the top";
   const std::array<float, 2> last = place_of(window.function_.points[3], plot, range);
   window.mouse(last[0], last[1]);
   window.button(1, true);
