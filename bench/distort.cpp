@@ -107,7 +107,7 @@ RunningCase start(const gpu::Device& device, const DistortBenchOptions& options,
   for (std::size_t eye = 0; eye < 2; ++eye) {
     running.targets[eye] = PanelTarget(device, eyes[eye], source_of(eyes[eye]), setup.skip_hidden);
     // Two degrees of yaw within a frame: what a warp has to do when a head turns quickly.
-    running.targets[eye].set_poses(device, {}, {quat_exp({0.0, 0.035, 0.0}), {}});
+    running.targets[eye].set_poses(device, {}, Pose{quat_exp({0.0, 0.035, 0.0}), {}});
   }
   running.commands.begin_timing("display");
   for (const PanelTarget& target : running.targets)

@@ -94,6 +94,23 @@ SimDuration scan_out_offset(const ScanOut& scan, Rate rate, int line, int lines)
   return rounded_ns(scan_time_ns(scan, rate) * order / lines);
 }
 
+ScanFraction scan_fraction(ScanDirection direction, int lines) {
+  BRACE_CHECK(lines > 0);
+  if (direction == ScanDirection::global || lines == 1) return {};
+  // Line i has its middle at (i + 0.5) / lines and comes i / (lines - 1) of the way.
+  const double slope = static_cast<double>(lines) / (lines - 1), base = -0.5 / (lines - 1);
+  switch (direction) {
+    case ScanDirection::top_to_bottom:
+      return {0.0, slope, base};
+    case ScanDirection::bottom_to_top:
+      return {0.0, -slope, 1.0 - base};
+    case ScanDirection::left_to_right:
+      return {slope, 0.0, base};
+    default:
+      return {-slope, 0.0, 1.0 - base};
+  }
+}
+
 PhotonTimes photon_times(SimTime vsync, const ScanOut& scan, Rate rate, const Emission& emission, int lines) {
   BRACE_CHECK(lines > 0);
   const SimTime lit = vsync + emission.delay + emission.persistence / 2;

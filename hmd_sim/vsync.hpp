@@ -63,6 +63,14 @@ struct PhotonTimes {
   SimTime first_row, mid, last_row;
 };
 
+/// Where a point of the panel is on the way from the first line of the scan-out (0) to the last (1), linear
+/// in the panel's uv (u right, v down). 0 everywhere for a global panel, whose lines are lit together.
+struct ScanFraction {
+  double per_u = 0.0, per_v = 0.0, base = 0.0;
+  double at(double u, double v) const { return per_u * u + per_v * v + base; }
+};
+ScanFraction scan_fraction(ScanDirection direction, int lines);
+
 PhotonTimes photon_times(SimTime vsync, const ScanOut& scan, Rate rate, const Emission& emission, int lines);
 
 }  // namespace brace::sim

@@ -40,6 +40,16 @@ void set(float (&to)[4], double x, double y, double z, double w) {
   to[3] = static_cast<float>(w);
 }
 
+void set_pose(float (&to)[4][4], const Pose& old_from_new) {
+  const glm::dvec3& t = old_from_new.position;
+  if (!std::isfinite(glm::dot(old_from_new.orientation, old_from_new.orientation) + glm::dot(t, t)))
+    throw input_error("the pose of an eye is not finite");
+  const glm::dmat3 rotation = glm::mat3_cast(old_from_new.orientation);
+  for (int column = 0; column < 3; ++column)
+    set(to[column], rotation[column].x, rotation[column].y, rotation[column].z, 0.0);
+  set(to[3], t.x, t.y, t.z, 0.0);
+}
+
 bool pixel_visible(const PanelEye& eye, const std::array<double, 3>& usable, int x, int y) {
   const glm::dvec2 uv((x + 0.5) / eye.width_px, (y + 0.5) / eye.height_px);
   for (const sim::Channel channel : sim::all_channels) {
@@ -115,19 +125,34 @@ BraceDisplayParams display_params(const PanelEye& eye, const SourcePicture& sour
   params.grid[1] = static_cast<std::uint32_t>(tiles_across * tile_width_px / 4);
   params.grid[2] = static_cast<std::uint32_t>(eye.width_px);
   params.grid[3] = static_cast<std::uint32_t>(eye.height_px);
-  set_poses(params, {}, {});
+  const double per_x = eye.scan.per_u / eye.width_px, per_y = eye.scan.per_v / eye.height_px;
+  set(params.scan, per_x, per_y, 0.5 * (per_x + per_y) + eye.scan.base, 0.0);
+  set_poses(params, {}, Pose{});
   return params;
 }
 
 void set_poses(BraceDisplayParams& params, const Pose& world_from_old_eye, const Pose& world_from_new_eye) {
-  const Pose old_from_new = compose(inverse(world_from_old_eye), world_from_new_eye);
-  const glm::dvec3& t = old_from_new.position;
-  if (!std::isfinite(glm::dot(old_from_new.orientation, old_from_new.orientation) + glm::dot(t, t)))
-    throw input_error("the pose of an eye is not finite");
-  const glm::dmat3 rotation = glm::mat3_cast(old_from_new.orientation);
-  for (int column = 0; column < 3; ++column)
-    set(params.old_from_new[column], rotation[column].x, rotation[column].y, rotation[column].z, 0.0);
-  set(params.old_from_new[3], t.x, t.y, t.z, 0.0);
+  set_poses(params, world_from_old_eye, ScanEye{world_from_new_eye, world_from_new_eye});
+}
+
+void set_poses(BraceDisplayParams& params, const Pose& world_from_old_eye, const ScanEye& new_eye) {
+  const Pose old_from_world = inverse(world_from_old_eye);
+  set_pose(params.old_from_new, compose(old_from_world, new_eye.world_from_first_line));
+  set_pose(params.old_from_last, compose(old_from_world, new_eye.world_from_last_line));
+}
+
+std::vector<float> scan_fractions(const PanelEye& eye, const SourcePicture& source) {
+  const double usable = sim::usable_radius(eye.lens, sim::Channel::green);
+  std::vector<float> fractions;
+  fractions.reserve(static_cast<std::size_t>(source.width_px) * static_cast<std::size_t>(source.height_px));
+  for (int y = 0; y < source.height_px; ++y)
+    for (int x = 0; x < source.width_px; ++x) {
+      const glm::dvec2 tangents =
+          sim::target_uv_to_tangents(source.fov, {(x + 0.5) / source.width_px, (y + 0.5) / source.height_px});
+      const auto uv = sim::tangents_to_panel(eye.lens, sim::Channel::green, usable, tangents);
+      fractions.push_back(uv ? static_cast<float>(std::clamp(eye.scan.at(uv->x, uv->y), 0.0, 1.0)) : 0.5f);
+    }
+  return fractions;
 }
 
 std::vector<std::uint32_t> visible_tiles(const PanelEye& eye) {

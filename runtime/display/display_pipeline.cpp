@@ -87,7 +87,12 @@ PanelTarget::PanelTarget(const gpu::Device& device, const PanelEye& eye, const S
 
 void PanelTarget::set_poses(const gpu::Device& device, const Pose& world_from_old_eye,
                             const Pose& world_from_new_eye) {
-  brace::set_poses(params_, world_from_old_eye, world_from_new_eye);
+  set_poses(device, world_from_old_eye, ScanEye{world_from_new_eye, world_from_new_eye});
+}
+
+void PanelTarget::set_poses(const gpu::Device& device, const Pose& world_from_old_eye,
+                            const ScanEye& new_eye) {
+  brace::set_poses(params_, world_from_old_eye, new_eye);
   gpu::upload_values<BraceDisplayParams>(device, params_buffer_, std::span(&params_, 1));
 }
 

@@ -49,6 +49,7 @@ class PanelTarget {
 
   /// Poses of the eye when the source picture was rendered and now; nothing submitted may still read it.
   void set_poses(const gpu::Device& device, const Pose& world_from_old_eye, const Pose& world_from_new_eye);
+  void set_poses(const gpu::Device& device, const Pose& world_from_old_eye, const ScanEye& new_eye);
 
   /// Pixels of the panel that the kernel writes, and its texel fetches: counted work, known beforehand.
   std::uint64_t pixels_written() const { return pixels_written_; }

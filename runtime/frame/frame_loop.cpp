@@ -213,6 +213,14 @@ void start_eye_frame(Loop& loop) {
   }
 }
 
+/// Where the head will be at the first and the last line's photons, from the newest readings.
+ScanPoses predict_scan(Loop& loop, std::int64_t vsync) {
+  const SimTime time = loop.clock.time_of(vsync);
+  const std::span<const brace_tracker_sample> readings = loop.inputs.head.readings(loop.events.now());
+  return {predict(loop.inputs.predict, readings, time + loop.photons.first_row),
+          predict(loop.inputs.predict, readings, time + loop.photons.last_row)};
+}
+
 /// Takes the newest finished eye frame and, for warps that use one, the newest pose.
 void latch_warp(Loop& loop, std::int64_t vsync) {
   if (!loop.front || loop.next) return;  // nothing to show yet, or a late image goes first
@@ -228,12 +236,14 @@ void latch_warp(Loop& loop, std::int64_t vsync) {
     image.warp_world_from_head = predict(loop.inputs.predict, readings, photon_mid(loop, vsync));
     image.reading_ns = readings.back().time_ns;
   }
-  const JobOutcome outcome = loop.inputs.work.warp({.vsync_index = vsync,
-                                                    .frame = image.eye.frame,
-                                                    .slot = static_cast<int>(image.eye.frame % frame_slots),
-                                                    .render_world_from_head = image.eye.world_from_head,
-                                                    .warp_world_from_head = image.warp_world_from_head,
-                                                    .start = now});
+  WarpRequest request{.vsync_index = vsync,
+                      .frame = image.eye.frame,
+                      .slot = static_cast<int>(image.eye.frame % frame_slots),
+                      .render_world_from_head = image.eye.world_from_head,
+                      .warp_world_from_head = image.warp_world_from_head,
+                      .start = now};
+  if (uses_pose && loop.config.scan_poses) request.warp_scan = predict_scan(loop, vsync);
+  const JobOutcome outcome = loop.inputs.work.warp(request);
   loop.next = image;
   if (loop.front_seen_vsync < 0) loop.front_seen_vsync = vsync;
   ++loop.result.warps;
@@ -367,11 +377,14 @@ void show_vsync(Loop& loop, std::int64_t vsync) {
     describe_image(record, *loop.panel, loop.config.warp_pose);
     const Pose truth = loop.inputs.head.true_pose(now + loop.photons.mid);
     if (record.pose_valid) describe_error(record, shown_pose(*loop.panel, loop.config.warp_pose), truth);
-    const ShowOutcome outcome =
-        loop.inputs.work.show({.vsync_index = vsync,
-                               .image_is_new = image_is_new,
-                               .true_world_from_head = truth,
-                               .transfer_version = loop.config.transfer.version_at(now + loop.photons.mid)});
+    ShowRequest request{.vsync_index = vsync,
+                        .image_is_new = image_is_new,
+                        .true_world_from_head = truth,
+                        .transfer_version = loop.config.transfer.version_at(now + loop.photons.mid)};
+    if (loop.config.scan_poses)
+      request.true_scan = {loop.inputs.head.true_pose(now + loop.photons.first_row),
+                           loop.inputs.head.true_pose(now + loop.photons.last_row)};
+    const ShowOutcome outcome = loop.inputs.work.show(request);
     record.dssim_left = outcome.dssim_left;
     record.dssim_right = outcome.dssim_right;
   }

@@ -61,6 +61,7 @@ struct FrameLoopConfig {
   std::optional<SimDuration> warp_lead;
   SimDuration warp_margin{500'000};
   TransferSchedule transfer;  // when the scene's transfer function changes
+  bool scan_poses = false;    // requests carry the poses of the first and last line, too
 };
 
 /// Stages the loop itself calls, through the C ABI. Not owned.

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 
 #include "base/pose.hpp"
@@ -22,6 +23,11 @@ struct CastRequest {
   int cell_columns = 0, cell_rows = 0;  // of each eye: outcomes of cells are wanted; 0: of the frame alone
 };
 
+/// Head poses at the photons of a vsync's first and last line, in the order of the scan-out.
+struct ScanPoses {
+  Pose first_line, last_line;
+};
+
 /// One display image: the newest finished eye frame, re-projected to the newest pose and distorted. At most
 /// one image waits for its vsync: the next warp comes only after this one was shown.
 struct WarpRequest {
@@ -29,8 +35,9 @@ struct WarpRequest {
   std::int64_t frame = 0;
   int slot = 0;
   Pose render_world_from_head{};
-  Pose warp_world_from_head{};  // the render pose if the warp stage uses no pose
-  SimTime start{};              // when the pose is latched and the job submitted
+  Pose warp_world_from_head{};           // the render pose if the warp stage uses no pose
+  SimTime start{};                       // when the pose is latched and the job submitted
+  std::optional<ScanPoses> warp_scan{};  // where asked for (FrameLoopConfig::scan_poses) and a pose is used
 };
 
 /// A vsync with its photons: what was shown, and where the head truly is at photon time.
@@ -38,7 +45,8 @@ struct ShowRequest {
   std::int64_t vsync_index = 0;
   bool image_is_new = false;  // true: the image of the last warp; false: the panel repeats what it has
   Pose true_world_from_head{};
-  std::int64_t transfer_version = 0;  // in force at photon time: what an ideal picture shows
+  std::int64_t transfer_version = 0;     // in force at photon time: what an ideal picture shows
+  std::optional<ScanPoses> true_scan{};  // where asked for
 };
 
 /// A change of the transfer function: what is cast from now on shows this version, and the structures that

@@ -191,6 +191,10 @@ CastPipeline::Resources EyeRenderer::resources_of(sim::Eye eye, const EyeTarget&
   bindings_.assign(skip.begin(), skip.end());
   if (makes_layers_) bindings_.push_back(layers_binding(target.layers));
   if (makes_layers_ && mab_) bindings_.push_back(layer_rays_binding(target));
+  if (scan_line_rays_) {
+    for (const gpu::Binding& binding : scan_line_rays_->bindings(eye))
+      bindings_.push_back(binding);
+  }
   std::optional<RayGrid> grid;
   if (mab_) {
     bindings_.insert(bindings_.end(), mab_->bindings(eye).begin(), mab_->bindings(eye).end());
@@ -317,6 +321,14 @@ JobOutcome EyeRenderer::render_cells(const Pose& world_from_head, const EyePair&
     outcome.device_time += cell.device_time;
   }
   return outcome;
+}
+
+JobOutcome EyeRenderer::render_by_line(const ScanPoses& world_from_head, const EyePair& into) {
+  if (!scan_line_rays_) scan_line_rays_.emplace(device_, headset_);
+  for (const sim::Eye eye : sim::all_eyes)
+    scan_line_rays_->set_last(eye, eye_view(headset_, eye, world_from_head.last_line), scene_.volume.info(),
+                              placement_);
+  return render(world_from_head.first_line, into);
 }
 
 JobOutcome EyeRenderer::render(const Pose& world_from_head, const EyePair& into, double quality) {

@@ -9,6 +9,7 @@
 #include "runtime/raycast/cast_pipeline.hpp"
 #include "runtime/raycast/native_steps.hpp"
 #include "runtime/replay/headset.hpp"
+#include "runtime/replay/scan_line_rays.hpp"
 #include "runtime/replay/scene.hpp"
 #include "runtime/replay/scene_activation.hpp"
 #include "runtime/replay/single_pass.hpp"
@@ -66,6 +67,10 @@ class EyeRenderer {
   JobOutcome render_cells(const Pose& world_from_head, const EyePair& into, double quality, int columns,
                           int rows);
 
+  /// Full rate, each ray from where the eye is when the panel shows its pixel. The session's rays are those
+  /// of ScanLineRays::opening.
+  JobOutcome render_by_line(const ScanPoses& world_from_head, const EyePair& into);
+
   /// Call after the scene's transfer function has changed: native stages, which have it from their
   /// activation, are activated anew.
   void transfer_changed();
@@ -105,7 +110,8 @@ class EyeRenderer {
   HostRays host_rays_;
   Watchdog* watchdog_ = nullptr;
   std::uint64_t frame_ = 0;
-  std::unique_ptr<SinglePass> single_pass_;  // null where each eye is ray cast
+  std::unique_ptr<SinglePass> single_pass_;     // null where each eye is ray cast
+  std::optional<ScanLineRays> scan_line_rays_;  // from the first render_by_line on
 };
 
 }  // namespace brace

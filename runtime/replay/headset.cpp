@@ -102,6 +102,17 @@ Display display_of(const sim::DeviceProfile& profile) {
   return {profile.refresh, profile.scan_out, profile.emission, profile.scan_lines()};
 }
 
+PanelEye panel_eye(const Headset& headset, sim::Eye eye) {
+  const sim::EyeProfile& profile = headset.profile.eye(eye);
+  const sim::ScanDirection direction = headset.profile.scan_out.direction;
+  return {headset.panel.width_px, headset.panel.height_px, profile.lens, profile.fov,
+          sim::scan_fraction(direction, display_of(headset.profile).scan_lines)};
+}
+
+SourcePicture source_picture(const Headset& headset, sim::Eye eye) {
+  return {headset.eye.width_px, headset.eye.height_px, headset.profile.eye(eye).fov};
+}
+
 EyeView eye_view(const Headset& headset, sim::Eye eye, const Pose& world_from_head) {
   const sim::EyeProfile& profile = headset.profile.eye(eye);
   EyeView view;

@@ -5,6 +5,7 @@
 
 #include "hmd_sim/device_profile.hpp"
 #include "hmd_sim/trace_io.hpp"
+#include "runtime/display/display_geometry.hpp"
 #include "runtime/frame/frame_loop.hpp"
 #include "runtime/raycast/eye_view.hpp"
 #include "runtime/session/session.hpp"
@@ -36,6 +37,10 @@ bool lens_does_nothing(const Headset& headset);
 bool channels_equal(const Headset& headset);
 
 Display display_of(const sim::DeviceProfile& profile);
+
+/// An eye's panel, and the eye frame that is shown on it, at the session's resolution.
+PanelEye panel_eye(const Headset& headset, sim::Eye eye);
+SourcePicture source_picture(const Headset& headset, sim::Eye eye);
 
 EyeView eye_view(const Headset& headset, sim::Eye eye, const Pose& world_from_head);
 

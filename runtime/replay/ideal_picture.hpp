@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <memory>
+#include <optional>
 
 #include "runtime/replay/panel_display.hpp"
 #include "runtime/replay/scene.hpp"
@@ -18,8 +19,9 @@ class IdealPicture {
   IdealPicture(const gpu::Device& device, const Session& session, const Headset& headset,
                SceneOnDevice& scene, const VolumePlacement& placement, const ReplayOptions& options);
 
-  /// What the panels would show a head at this pose.
-  PanelPair show(const Pose& true_world_from_head);
+  /// What the panels would show a head at this pose; with output.ideal_pose = "lines" one that moves between
+  /// those of the scan-out's first and last line.
+  PanelPair show(const Pose& true_world_from_head, const std::optional<ScanPoses>& true_scan = {});
 
   bool has_own_scene() const { return own_scene_ != nullptr; }
   SceneOnDevice& scene() { return scene_; }

@@ -18,7 +18,7 @@ class LayerWarp {
  public:
   /// `input`: of the scene, whose volume the layers were cast from.
   LayerWarp(const gpu::Device& device, const PipelineStage& warp, const ActivationInput& input,
-            PictureSize eye, const std::filesystem::path& data_folder);
+            const Headset& headset, const std::filesystem::path& data_folder);
 
   /// Records one eye, with barriers around.
   void record(gpu::CommandList& commands, const Headset& headset, const EyeWarp& warp, const EyeTarget& from);
@@ -41,7 +41,8 @@ class LayerWarp {
   std::array<std::optional<NovelView>, 2>
       views_;  // made for the first eye frame, which tells whose layers a pixel has
   std::array<EyeTarget, 2> pictures_;
-  std::uint64_t pixels_ = 0;  // of both eyes
+  std::array<gpu::Buffer, 2> scan_fractions_;  // of their pixels; for warps by line
+  std::uint64_t pixels_ = 0;                   // of both eyes
   std::uint64_t texels_ = 0;
   NovelView::Counts counts_;
 };

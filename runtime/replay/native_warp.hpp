@@ -13,6 +13,7 @@ struct EyeWarp {
   Pose render_world_from_head{}, warp_world_from_head{};
   std::int64_t frame = 0;
   std::int64_t vsync_index = 0;
+  ScanPoses warp_scan{};  // for warps by line
 };
 
 /// A native warp stage: it writes a picture of the eye frame's size, which the display then shows as it is.

@@ -3,19 +3,11 @@
 #include <algorithm>
 
 #include "runtime/host/stage_glsl.hpp"
+#include "runtime/replay/series_facts.hpp"
 
 namespace brace {
 
 namespace {
-
-PanelEye panel_eye(const Headset& headset, sim::Eye eye) {
-  const sim::EyeProfile& profile = headset.profile.eye(eye);
-  return {headset.panel.width_px, headset.panel.height_px, profile.lens, profile.fov};
-}
-
-SourcePicture source_picture(const Headset& headset, sim::Eye eye) {
-  return {headset.eye.width_px, headset.eye.height_px, headset.profile.eye(eye).fov};
-}
 
 LensTraits headset_traits(const Headset& headset) {
   LensTraits traits =
@@ -52,6 +44,7 @@ PanelDisplay::PanelDisplay(const gpu::Device& device, const Headset& headset, co
     : device_(device),
       headset_(headset),
       lens_(headset_traits(headset)),
+      by_line_(warps_by_line(warp)),
       pipeline_(device, display_kernel(warp, lens_, data_folder)),
       commands_(device, "panels") {
   for (const sim::Eye eye : sim::all_eyes) {
@@ -66,20 +59,23 @@ PanelDisplay::PanelDisplay(const gpu::Device& device, const Headset& headset, co
     : PanelDisplay(device, headset, warp.stage.native != nullptr || takes_layers(warp) ? no_warp : warp,
                    data_folder) {
   if (warp.stage.native != nullptr) native_warp_.emplace(device, warp, activation, headset.eye);
-  if (takes_layers(warp)) layered_.emplace(device, warp, activation, headset.eye, data_folder);
+  by_line_ = warps_by_line(warp);
+  if (takes_layers(warp)) layered_.emplace(device, warp, activation, headset, data_folder);
 }
 
 JobOutcome PanelDisplay::show(const PanelImage& image) {
   ++images_;
   commands_.reset();
   commands_.begin_timing("display");
+  ScanPoses scan{image.warp_world_from_head, image.warp_world_from_head};
+  if (by_line_ && image.warp_scan) scan = *image.warp_scan;
   for (const sim::Eye eye : sim::all_eyes) {
     const auto i = static_cast<std::size_t>(eye);
     const Pose& head_from_eye = headset_.profile.eye(eye).head_from_eye;
     panels_[i].set_poses(device_, compose(image.render_world_from_head, head_from_eye),
-                         compose(image.warp_world_from_head, head_from_eye));
-    const EyeWarp warp{eye, image.render_world_from_head, image.warp_world_from_head, image.frame,
-                       image.vsync_index};
+                         {compose(scan.first_line, head_from_eye), compose(scan.last_line, head_from_eye)});
+    const EyeWarp warp{
+        eye, image.render_world_from_head, image.warp_world_from_head, image.frame, image.vsync_index, scan};
     if (native_warp_) native_warp_->record(commands_, headset_, warp, image.eyes[i]);
     if (layered_) layered_->record(commands_, headset_, warp, image.eyes[i]);
     const gpu::Binding depth = gpu::bind(DisplaySlot::source_depth, image.eyes[i].depth_texels);

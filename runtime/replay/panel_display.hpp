@@ -22,6 +22,7 @@ struct PanelImage {
   Pose render_world_from_head{}, warp_world_from_head{};
   std::int64_t frame = 0;
   std::int64_t vsync_index = 0;
+  std::optional<ScanPoses> warp_scan{};  // for warps by line; without, the whole panel is of the warp's pose
 };
 
 /// The panels of a session's headset behind one warp stage. Device and headset must outlive it.
@@ -57,6 +58,7 @@ class PanelDisplay {
   const gpu::Device& device_;
   const Headset& headset_;
   LensTraits lens_;
+  bool by_line_;  // the warp
   DisplayPipeline pipeline_;
   std::optional<NativeWarp> native_warp_;
   std::optional<LayerWarp> layered_;

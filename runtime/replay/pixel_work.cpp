@@ -50,7 +50,7 @@ JobOutcome PixelWork::warp(const WarpRequest& request) {
   const EyePair& eyes = slots_[static_cast<std::size_t>(request.slot)];
   const JobOutcome outcome =
       display_.show({eyes, request.render_world_from_head, request.warp_world_from_head, request.frame,
-                     request.vsync_index});
+                     request.vsync_index, request.warp_scan});
   if (error_at_.any() || pictures_at_.any()) waiting_ = display_.read();
   return outcome;
 }
@@ -74,10 +74,9 @@ void PixelWork::show_ideal_transfer(std::int64_t version) {
 }
 
 ShowOutcome PixelWork::measure_error(const ShowRequest& request) {
-  const Pose& true_world_from_head = request.true_world_from_head;
   const std::int64_t shown_version = in_.scene.transfer_version;
   show_ideal_transfer(request.transfer_version);
-  const PanelPair ideal = ideal_->show(true_world_from_head);
+  const PanelPair ideal = ideal_->show(request.true_world_from_head, request.true_scan);
   if (!ideal_->has_own_scene()) show_ideal_transfer(shown_version);  // what is cast next still shows it
   return {dssim_from_ssim(ssim(shown_[0], ideal[0], visible_[0])),
           dssim_from_ssim(ssim(shown_[1], ideal[1], visible_[1]))};

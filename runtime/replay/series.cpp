@@ -65,6 +65,7 @@ FrameLoopConfig loop_config(const Session& session, const Headset& headset,
   config.aim = schedule.value("aim") == 0.0 ? Aim::first : Aim::middle;
   config.chunked = chunked_params(schedule);
   config.warp_pose = warp_pose_of(session.pipeline.at("warp"));
+  config.scan_poses = session.output.ideal_by_line || warps_by_line(session.pipeline.at("warp"));
   if (clock.warp_lead_ms) config.warp_lead = from_s(*clock.warp_lead_ms * 1e-3);
   return config;
 }

@@ -30,6 +30,11 @@ std::vector<LeftOut> left_out(const Session& session, const Headset& headset) {
   return left;
 }
 
+bool warps_by_line(const PipelineStage& warp) {
+  PipelineStage by_line = warp;
+  return by_line.set_choice("scan_out", "lines") && by_line.values == warp.values;
+}
+
 WarpPose warp_pose_of(const PipelineStage& warp) {
   if (warp.stage.native != nullptr) return WarpPose::rotation_and_translation;
   const auto& inputs = warp.stage.inputs;

@@ -15,6 +15,9 @@ std::vector<StageChoice> stage_choices(const Session& session);
 /// What the run does without, and why.
 std::vector<LeftOut> left_out(const Session& session, const Headset& headset);
 
+/// Whether a warp goes by the lines of the scan-out: its parameter scan_out is "lines".
+bool warps_by_line(const PipelineStage& warp);
+
 /// What a warp stage takes from the pose latched for it: a manifest's inputs say so, a shared library's gets
 /// all.
 WarpPose warp_pose_of(const PipelineStage& warp);

@@ -460,6 +460,7 @@ Session parse_session(const std::string& text, const std::string& file_name,
   session.output.images = read_selection(table, "output.images");
   session.output.error = read_selection(table, "output.error");
   session.output.converged_ideal = table.choice("output.ideal") == "converged";
+  session.output.ideal_by_line = table.choice("output.ideal_pose") == "lines";
   if (table.node("run.frames") != nullptr) {
     session.run.frames = static_cast<std::int64_t>(table.number_in("run.frames", 1, 1e12));
   }

@@ -102,6 +102,7 @@ struct Session {
     Selection images;              // default: first, middle, last
     Selection error;               // vsyncs whose image error is measured
     bool converged_ideal = false;  // the ideal picture's steps are a quarter of the session's, pre-integrated
+    bool ideal_by_line = false;    // … and seen line by line from where the head is at each line's photons
   } output;
 
   struct Run {

@@ -73,6 +73,9 @@ const std::vector<SessionKey>& session_keys() {
       {"output.ideal", "text", "'session'", "session|converged",
        "what the error is against: the session's own steps at photon time, or steps a quarter as long, "
        "pre-integrated (cast/dvr)"},
+      {"output.ideal_pose", "text", "'middle'", "middle|lines",
+       "where the ideal picture is seen from: the head's pose at the middle of the photons, or for each line "
+       "of a rolling panel at that line's"},
       {"plan.leave_out", "text", "'idle'", "idle|auto|none|ITEM,…",
        "parts to do without: what does nothing here, what the planner finds is not needed, nothing; items "
        "are "

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <optional>
 #include <vector>
 
 #include <glm/gtc/quaternion.hpp>
@@ -16,7 +17,7 @@ namespace {
 
 /// brace/layers.glsl and novel_view.comp have the same.
 constexpr std::uint32_t kLayersSlot = 32, kLayerRaysSlot = 33, kParamsSlot = 0, kImageSlot = 1,
-                        kCountersSlot = 2, kDepthSlot = 3, kHolesSlot = 4;
+                        kCountersSlot = 2, kDepthSlot = 3, kHolesSlot = 4, kScanSlot = 5;
 
 gpu::ComputePipeline novel_view_pipeline(const gpu::Device& device, const PipelineStage& stage,
                                          const NovelView::Folders& folders, bool by_ray, bool marks_holes) {
@@ -45,17 +46,21 @@ void set_tangents(float (&to)[4], const EyeView& eye, const RayGrid& grid) {
   set(to, {eye.tan_left - grid.left * dx, eye.tan_top - grid.top * dy, dx}, dy);
 }
 
+void set_pose(float (&to)[4][4], const Pose& old_from_new) {
+  for (int axis = 0; axis < 3; ++axis) {
+    glm::dvec3 unit(0.0);
+    unit[axis] = 1.0;
+    set(to[axis], old_from_new.orientation * unit);
+  }
+  set(to[3], old_from_new.position);
+}
+
 BraceNovelViewParams params_of(const LayerSource& from, const EyeView& eye, const NovelView::Box& box) {
   BraceNovelViewParams params{};
   set_tangents(params.fov, eye, {});
   set_tangents(params.rays, from.eye, from.rays);
-  const Pose old_from_new = compose(inverse(from.eye.world_from_eye), eye.world_from_eye);
-  for (int axis = 0; axis < 3; ++axis) {
-    glm::dvec3 unit(0.0);
-    unit[axis] = 1.0;
-    set(params.old_from_new[axis], old_from_new.orientation * unit);
-  }
-  set(params.old_from_new[3], old_from_new.position);
+  set_pose(params.old_from_new, compose(inverse(from.eye.world_from_eye), eye.world_from_eye));
+  set_pose(params.old_from_last, compose(inverse(from.eye.world_from_eye), eye.world_from_eye));
   const Pose box_from_old = compose(inverse(box.world_from_volume), from.eye.world_from_eye);
   const glm::dmat3 rotation = glm::mat3_cast(box_from_old.orientation);  // column by column
   for (int axis = 0; axis < 3; ++axis)
@@ -108,19 +113,37 @@ NovelView::NovelView(const gpu::Device& device, const PipelineStage& stage, cons
   reset_counters();
 }
 
-void NovelView::record(gpu::CommandList& commands, const LayerSource& from, const EyeView& eye,
-                       const EyeTarget& into, const Box& box, const gpu::Buffer* holes) {
-  const BraceNovelViewParams params = params_of(from, eye, box);
-  gpu::upload_values<BraceNovelViewParams>(device_, params_, std::span(&params, 1));
+void NovelView::dispatch(gpu::CommandList& commands, const LayerSource& from, const EyeView& eye,
+                         const EyeTarget& into, const gpu::Binding* more) {
   commands.barrier();
   std::vector<gpu::Binding> bindings = {gpu::bind(kParamsSlot, params_), gpu::bind(kImageSlot, into.image),
                                         gpu::bind(kDepthSlot, into.depth),
                                         gpu::bind(kCountersSlot, counters_), layers_binding(from.layers)};
   if (from.ray_of_pixel != nullptr) bindings.push_back(gpu::bind(kLayerRaysSlot, *from.ray_of_pixel));
-  if (holes != nullptr) bindings.push_back(gpu::bind(kHolesSlot, *holes));
+  if (more != nullptr) bindings.push_back(*more);
   const auto groups = [](int px) { return static_cast<std::uint32_t>((px + 7) / 8); };
   commands.dispatch(pipeline_, bindings, {}, {groups(eye.width_px), groups(eye.height_px), 1});
   commands.barrier();
+}
+
+void NovelView::record(gpu::CommandList& commands, const LayerSource& from, const EyeView& eye,
+                       const EyeTarget& into, const Box& box, const gpu::Buffer* holes) {
+  const BraceNovelViewParams params = params_of(from, eye, box);
+  gpu::upload_values<BraceNovelViewParams>(device_, params_, std::span(&params, 1));
+  const std::optional<gpu::Binding> marks =
+      holes != nullptr ? std::optional(gpu::bind(kHolesSlot, *holes)) : std::nullopt;
+  dispatch(commands, from, eye, into, marks ? &*marks : nullptr);
+}
+
+void NovelView::record_by_line(gpu::CommandList& commands, const LayerSource& from, const EyeView& eye,
+                               const Scan& scan, const EyeTarget& into, const Box& box) {
+  BraceNovelViewParams params = params_of(from, eye, box);
+  const Pose old_from_world = inverse(from.eye.world_from_eye);
+  set_pose(params.old_from_new, compose(old_from_world, scan.world_from_first_line));
+  set_pose(params.old_from_last, compose(old_from_world, scan.world_from_last_line));
+  gpu::upload_values<BraceNovelViewParams>(device_, params_, std::span(&params, 1));
+  const gpu::Binding fractions = gpu::bind(kScanSlot, scan.fractions);
+  dispatch(commands, from, eye, into, &fractions);
 }
 
 NovelView::Counts NovelView::counted() const {

@@ -58,6 +58,15 @@ class NovelView {
   void record(gpu::CommandList& commands, const LayerSource& from, const EyeView& eye, const EyeTarget& into,
               const Box& box, const gpu::Buffer* holes = nullptr);
 
+  /// For stages with scan_out = "lines": where the eye is at the first and the last line, and how far the
+  /// scan-out is at each pixel (a float).
+  struct Scan {
+    Pose world_from_first_line, world_from_last_line;  // of the eye
+    const gpu::Buffer& fractions;
+  };
+  void record_by_line(gpu::CommandList& commands, const LayerSource& from, const EyeView& eye,
+                      const Scan& scan, const EyeTarget& into, const Box& box);
+
   /// Since the last reset; after the work is done.
   struct Counts {
     std::uint64_t segments = 0;   // of rays, each with a look into a pixel's layers
@@ -68,6 +77,9 @@ class NovelView {
   void reset_counters() const;
 
  private:
+  void dispatch(gpu::CommandList& commands, const LayerSource& from, const EyeView& eye,
+                const EyeTarget& into, const gpu::Binding* more);
+
   const gpu::Device& device_;
   gpu::ComputePipeline pipeline_;
   gpu::Buffer params_, counters_;

@@ -9,6 +9,7 @@ brace_test(display_test LABEL gpu LIBRARIES brace::display brace::host SOURCES
   gpu/display_reference.cpp
   gpu/display_test.cpp
   gpu/display_warp_test.cpp
-  gpu/grid_warp_test.cpp)
+  gpu/grid_warp_test.cpp
+  gpu/scan_out_warp_test.cpp)
 target_include_directories(display_test PRIVATE ${CMAKE_CURRENT_SOURCE_DIR})
 target_compile_definitions(display_test PRIVATE BRACE_SOURCE_DIR="${PROJECT_SOURCE_DIR}")

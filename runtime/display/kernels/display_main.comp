@@ -10,8 +10,8 @@
 // wide it is, so each invocation makes four pixels and stores them at once; the panel's rows are padded to whole
 // tiles, so nothing needs a bounds check. Their texel fetch is a call that gathers 32-bit texels, and nearly all
 // of the time goes there.
-#include "brace/warp.glsl"
 #include "stage/parameters.glsl"
+#include "brace/warp.glsl"
 #include "stage/warp.glsl"
 
 // A tile is 32 x 8 panel pixels.
@@ -99,6 +99,9 @@ uint blend(uvec4 texels, vec2 weight, uint channel, bool seen) {
 
 uint panel_pixel(vec2 pixel) {
   uint packed = 0xff000000u;
+#if defined(BRACE_WARP_SCAN_OUT_LINES)
+  brace_scan = dot(pixel, brace_display.scan.xy) + brace_display.scan.z;
+#endif
 #ifdef BRACE_WARP_PER_PIXEL
   warp_pixel(pixel);
 #endif

@@ -28,6 +28,14 @@ uint ray_of(uint pixel) { return layer_ray_of_pixel[pixel]; }
 uint ray_of(uint pixel) { return pixel; }
 #endif
 
+#if defined(BRACE_WARP_SCAN_OUT_LINES)
+// Per pixel of the new picture: how far the scan-out is where the panel shows it.
+layout(std430, set = 0, binding = 5) readonly buffer NovelScan { float novel_scan[]; };
+#define OLD_FROM_NEW(i) (view.old_from_new[i].xyz + scan * (view.old_from_last[i].xyz - view.old_from_new[i].xyz))
+#else
+#define OLD_FROM_NEW(i) view.old_from_new[i].xyz
+#endif
+
 #define OLD_NEAR_M 1e-4      // nothing is asked of the old picture nearer to its eye's plane
 #define HOLE_LEFT 0.02       // an unknown part that is seen through less does not matter
 #define STOPPED_DEPTH 5.64   // a ray this deep (opacity 0.98, in powers of two) was stopped, not through
@@ -204,9 +212,11 @@ void main() {
   const uvec2 pixel = gl_GlobalInvocationID.xy;
   if (any(greaterThanEqual(pixel, view.grid.xy))) return;
   const vec2 tangents = view.fov.xy + (vec2(pixel) + 0.5) * view.fov.zw;
-  origin = view.old_from_new[3].xyz;
-  direction = normalize(view.old_from_new[0].xyz * tangents.x + view.old_from_new[1].xyz * tangents.y -
-                        view.old_from_new[2].xyz);
+#if defined(BRACE_WARP_SCAN_OUT_LINES)
+  const float scan = novel_scan[pixel.y * view.grid.x + pixel.x];
+#endif
+  origin = OLD_FROM_NEW(3);
+  direction = normalize(OLD_FROM_NEW(0) * tangents.x + OLD_FROM_NEW(1) * tangents.y - OLD_FROM_NEW(2));
   Walk walk = Walk(vec3(0.0), 0.0, 1.0, uintBitsToFloat(0x7f800000u), false, false);
   const vec2 range = range_in_box();
   uint segments = 0u;

@@ -61,7 +61,7 @@ vec2 grid_search(vec3 direction, vec3 origin_m, float w_max, float count) {
 
 void brace_warp_pixel(vec2 tan_xy) {
   grid_parallax = vec2(0.0);
-  const vec3 origin_m = brace_display.old_from_new[3].xyz;
+  const vec3 origin_m = brace_new_eye_m();
   const vec3 direction = brace_old_from_new(vec3(tan_xy, -1.0)) - origin_m;
   if (-direction.z <= GRID_BESIDE) return;
   // As near as near_m, but in front of the old eye.
@@ -81,6 +81,6 @@ void brace_warp_pixel(vec2 tan_xy) {
 }
 
 vec2 brace_warp_source(vec2 tan_xy) {
-  const vec3 direction = brace_old_from_new(vec3(tan_xy, -1.0)) - brace_display.old_from_new[3].xyz;
+  const vec3 direction = brace_old_from_new(vec3(tan_xy, -1.0)) - brace_new_eye_m();
   return -direction.z > GRID_BESIDE ? direction.xy / -direction.z + grid_parallax : BRACE_NO_SOURCE;
 }

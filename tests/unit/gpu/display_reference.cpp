@@ -132,7 +132,8 @@ DisplayRun::Result DisplayRun::show(const PanelEye& eye, const Picture& picture,
                                     std::span<const float> depths_m) const {
   const DisplayPipeline pipeline(device, kernel(traits.value_or(lens_traits(eye.lens))));
   PanelTarget target(device, eye, picture.shape, skip_hidden);
-  target.set_poses(device, world_from_old_eye, world_from_new_eye);
+  target.set_poses(device, world_from_old_eye,
+                   new_eye_by_line.value_or(ScanEye{world_from_new_eye, world_from_new_eye}));
   const gpu::Buffer source(device, "source", picture.pixels.size() * 4, gpu::Memory::device);
   gpu::upload_values<std::uint32_t>(device, source, picture.pixels);
   const gpu::TexelBuffer texels(device, source, gpu::Format::r32_uint);

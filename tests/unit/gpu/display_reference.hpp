@@ -73,6 +73,7 @@ struct DisplayRun {
   bool skip_hidden = true;
   std::optional<LensTraits> traits = {};  // instead of the lens' own
   Pose world_from_old_eye = {}, world_from_new_eye = {};
+  std::optional<ScanEye> new_eye_by_line = {};  // instead of world_from_new_eye
 
   struct Result {
     ImageRgba8 image;

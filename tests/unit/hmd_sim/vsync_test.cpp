@@ -71,6 +71,30 @@ TEST(ScanOut, RollingRowsAreSpreadOverTheFractionInTheirDirection) {
   EXPECT_EQ(scan_out_offset(left, rate, 999, 1000), SimDuration(0));
 }
 
+TEST(ScanOut, FractionOfALineIsItsTimeOverThatOfTheLastOne) {
+  const Rate rate{100, 1};
+  constexpr int lines = 37;
+  for (const ScanDirection direction : {ScanDirection::top_to_bottom, ScanDirection::bottom_to_top,
+                                        ScanDirection::left_to_right, ScanDirection::right_to_left}) {
+    const ScanOut scan{direction, 0.8};
+    const bool columns =
+        direction == ScanDirection::left_to_right || direction == ScanDirection::right_to_left;
+    const ScanFraction fraction = scan_fraction(direction, lines);
+    const double whole_ns = static_cast<double>(
+        std::max(scan_out_offset(scan, rate, 0, lines), scan_out_offset(scan, rate, lines - 1, lines))
+            .count());
+    for (int line = 0; line < lines; ++line) {
+      const double along = (line + 0.5) / lines;
+      const double expected =
+          static_cast<double>(scan_out_offset(scan, rate, line, lines).count()) / whole_ns;
+      EXPECT_NEAR(fraction.at(columns ? along : 0.3, columns ? 0.3 : along), expected, 1e-6)
+          << to_string(direction) << ", line " << line;
+    }
+  }
+  EXPECT_EQ(scan_fraction(ScanDirection::global, lines).at(0.7, 0.9), 0.0);
+  EXPECT_EQ(scan_fraction(ScanDirection::top_to_bottom, 1).at(0.7, 0.9), 0.0);
+}
+
 TEST(ScanOut, PhotonTimesAddEmissionDelayAndHalfThePersistence) {
   const Rate rate{100, 1};
   const Emission emission{SimDuration(300), SimDuration(2'000'000)};

@@ -30,15 +30,18 @@ struct BraceDisplayParams {
   BRACE_VEC4(source);     /* xy: source pixels per tangent (y negative); zw: source pixel of tangent 0 */
   BRACE_VEC4(source_max); /* xy: largest coordinate to fetch from; zw: width and height - 0.5 */
   BRACE_VEC4(fov);        /* tangents that the eye sees: left, bottom, right, top */
-  BRACE_VEC4S(old_from_new, 4); /* from the new eye frame to the source picture's: the rotation's columns,
-                                   then the translation in metres */
-  BRACE_UVEC4(grid);            /* x: source pixels per row; y: groups of four panel pixels per row;
-                     zw: panel pixels across and down */
+  BRACE_VEC4S(old_from_new, 4);  /* from the new eye frame to the source picture's: the rotation's columns,
+                                    then the translation in metres */
+  BRACE_UVEC4(grid);             /* x: source pixels per row; y: groups of four panel pixels per row;
+                      zw: panel pixels across and down */
+  BRACE_VEC4S(old_from_last, 4); /* old_from_new at the photons of the scan-out's last line; old_from_new is
+                                    then that of the first. The same where a warp is not by line */
+  BRACE_VEC4(scan);              /* from the first line (0) to the last (1): dot(panel pixel, xy) + z */
 };
 
 #ifdef __cplusplus
 }
-static_assert(sizeof(brace::BraceDisplayParams) == 240);
+static_assert(sizeof(brace::BraceDisplayParams) == 320);
 #endif
 #undef BRACE_VEC4
 #undef BRACE_VEC4S

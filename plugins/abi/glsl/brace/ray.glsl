@@ -16,11 +16,9 @@ struct BraceResult {
   float depth;  // units from entry to the first visible sample, or BRACE_NO_HIT
 };
 
-// The ray through a point of the eye image in pixels; pixel (x, y) has its centre at (x, y) + 0.5.
-BraceRay brace_ray_through(vec2 point) {
-  const vec3 metric = normalize(brace_eye.ray_base.xyz + point.x * brace_eye.ray_dx.xyz + point.y * brace_eye.ray_dy.xyz);
+// The ray from an eye in voxel coordinates along a direction in the volume's metric axes, of length 1.
+BraceRay brace_ray_from(vec3 eye, vec3 metric) {
   const vec3 direction = metric * brace_eye.voxels_per_unit.xyz;
-  const vec3 eye = brace_eye.eye.xyz;
   const vec3 dims = brace_eye.volume_dims.xyz;
   // An axis that the ray is parallel to gets a tiny slope: no division by zero, hence no 0 * inf.
   const vec3 slope = mix(direction, vec3(1e-20), lessThan(abs(direction), vec3(1e-20)));
@@ -31,6 +29,12 @@ BraceRay brace_ray_through(vec2 point) {
   const float begin = max(max(nearer.x, nearer.y), max(nearer.z, 0.0));
   const float end = min(farther.x, min(farther.y, farther.z));
   return BraceRay(clamp(eye + begin * direction, vec3(0.0), dims), max(end - begin, 0.0), direction, 0.0);
+}
+
+// The ray through a point of the eye image in pixels; pixel (x, y) has its centre at (x, y) + 0.5.
+BraceRay brace_ray_through(vec2 point) {
+  return brace_ray_from(brace_eye.eye.xyz, normalize(brace_eye.ray_base.xyz + point.x * brace_eye.ray_dx.xyz +
+                                                     point.y * brace_eye.ray_dy.xyz));
 }
 
 // Distance in metres from the eye to a point t units along a ray.

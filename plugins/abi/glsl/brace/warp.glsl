@@ -27,10 +27,23 @@ bool brace_warp_filled = false;
 // Finite, and far outside every picture.
 #define BRACE_NO_SOURCE vec2(1e9)
 
+#if defined(BRACE_WARP_SCAN_OUT_LINES)
+// How far the scan-out is at the panel pixel at hand: 0 at the first line, 1 at the last. Between their two poses
+// the head is taken to move straight, which for the turn of a period is right to 1e-5 of a radian.
+float brace_scan = 0.0;
+#define BRACE_OLD_FROM_NEW(i) \
+  (brace_display.old_from_new[i].xyz + brace_scan * (brace_display.old_from_last[i].xyz - brace_display.old_from_new[i].xyz))
+#else
+#define BRACE_OLD_FROM_NEW(i) brace_display.old_from_new[i].xyz
+#endif
+
 // A point given in the new eye frame, in the eye frame of the source picture, metres.
 vec3 brace_old_from_new(vec3 point_m) {
-  return brace_display.old_from_new[0].xyz * point_m.x + brace_display.old_from_new[1].xyz * point_m.y +
-         brace_display.old_from_new[2].xyz * point_m.z + brace_display.old_from_new[3].xyz;
+  return BRACE_OLD_FROM_NEW(0) * point_m.x + BRACE_OLD_FROM_NEW(1) * point_m.y + BRACE_OLD_FROM_NEW(2) * point_m.z +
+         BRACE_OLD_FROM_NEW(3);
 }
+
+// Where the new eye is in the eye frame of the source picture, metres.
+vec3 brace_new_eye_m() { return BRACE_OLD_FROM_NEW(3); }
 
 #endif
