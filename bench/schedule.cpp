@@ -30,7 +30,7 @@ class WanderingWork final : public FrameWork {
     const double frame_ns = third >= 1.0 && third < 2.0 ? 60e6 : 6e6;
     JobOutcome outcome{.work = {.samples = static_cast<std::uint64_t>(frame_ns)}};
     if (request.cell_columns == 0) return outcome;
-    weigh(request.cell_columns, request.cell_rows, s);
+    weigh(request, s);
     outcome.work.samples = 0;
     for (CellOutcome& cell : cells_) {
       cell.work.samples =
@@ -42,23 +42,31 @@ class WanderingWork final : public FrameWork {
   }
 
  private:
-  /// Parts of a billion: nine tenths of the work under a bell that goes round in four seconds.
-  void weigh(int columns, int rows, double s) {
+  /// Parts of a billion: nine tenths of the work under a bell that goes round in four seconds. Summed up over
+  /// a fine grid, so that it can be cut anywhere.
+  void weigh(const CastRequest& request, double s) {
+    constexpr int fine = 64;
     std::vector<double> weights;
     double sum = 0.0;
-    for (int eye = 0; eye < 2; ++eye)
-      for (int row = 0; row < rows; ++row)
-        for (int column = 0; column < columns; ++column) {
-          const double x = (column + 0.5) / columns - 0.5 - 0.25 * std::cos(1.57 * s);
-          const double y = (row + 0.5) / rows - 0.5 - 0.25 * std::sin(1.57 * s);
-          weights.push_back(std::exp(-(x * x + y * y) / 0.03) + 0.01);
-          sum += weights.back();
-        }
-    cells_.assign(weights.size(), {});
-    for (std::size_t i = 0; i < weights.size(); ++i)
-      cells_[i].work.samples = static_cast<std::uint64_t>(1e9 * weights[i] / sum);
+    for (int i = 0; i < fine * fine; ++i) {
+      const double x = (i % fine + 0.5) / fine - 0.5 - 0.25 * std::cos(1.57 * s);
+      const double y = (i / fine + 0.5) / fine - 0.5 - 0.25 * std::sin(1.57 * s);
+      weights.push_back(std::exp(-(x * x + y * y) / 0.03) + 0.01);
+      sum += 2.0 * weights.back();
+    }
+    density_.set(CellCuts(fine, fine), weights);
+    const CellCuts even(request.cell_columns, request.cell_rows);
+    const int per_eye = request.cell_columns * request.cell_rows;
+    cells_.assign(static_cast<std::size_t>(2 * per_eye), {});
+    for (int i = 0; i < 2 * per_eye; ++i) {
+      const CellCuts& cuts =
+          request.cuts.empty() ? even : request.cuts[static_cast<std::size_t>(i / per_eye)];
+      cells_[static_cast<std::size_t>(i)].work.samples =
+          static_cast<std::uint64_t>(1e9 * density_.in(cuts.area(i % per_eye)) / sum);
+    }
   }
 
+  CostDensity density_{64, 64};
   std::vector<CellOutcome> cells_;
 };
 
@@ -101,11 +109,17 @@ std::vector<std::pair<std::string, ChunkedParams>> cases() {
   using Guard = ChunkedParams::Guard;
   std::vector<std::pair<std::string, ChunkedParams>> all;
   for (const double overhead_us : {0.0, 10.0})
-    for (const int edge : {4, 8, 16})
+    for (const int edge : {4, 6, 8, 16})
       all.emplace_back(fmt::format("clock {0} x {0}", edge), params_of(Guard::clock, edge, 1.0, overhead_us));
   for (const auto order : {ChunkedParams::Order::cost, ChunkedParams::Order::gaze}) {
     all.emplace_back("clock 8 x 8", params_of(Guard::clock, 8, 1.0, 0.0));
     all.back().second.order = order;
+  }
+  for (const auto& [edge, overhead_us] :
+       {std::pair(4, 0.0), {6, 0.0}, {8, 0.0}, {4, 10.0}, {5, 10.0}, {6, 10.0}, {8, 10.0}}) {
+    all.emplace_back(fmt::format("clock {0} x {0}, by cost", edge),
+                     params_of(Guard::clock, edge, 1.0, overhead_us));
+    all.back().second.cut = ChunkedParams::Cut::cost;
   }
   for (const double bias : {1.0, 2.0, 4.0})
     all.emplace_back(fmt::format("prediction 8 x 8, bias {}", bias),

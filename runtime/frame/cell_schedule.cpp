@@ -10,38 +10,61 @@ namespace brace {
 
 namespace {
 
-/// Squared distance of a cell from the middle of its eye's picture.
-double off_axis(const ChunkedParams& params, int cell) {
-  const int in_eye = cell % (params.columns * params.rows);
-  const double x = (in_eye % params.columns + 0.5) / params.columns - 0.5;
-  const double y = (in_eye / params.columns + 0.5) / params.rows - 0.5;
-  return x * x + y * y;
-}
+/// Laid under what cells have taken before they are cut: none grows beyond about ten times the mean's area,
+/// and where nothing was to be done before, something may be soon.
+constexpr double kEvenShare = 0.1;
 
 }  // namespace
 
 CellSchedule::CellSchedule(const ChunkedParams& params)
     : params_(params),
-      traced_(static_cast<std::size_t>(2 * params.columns * params.rows)),
+      cuts_{CellCuts(params.columns, params.rows), CellCuts(params.columns, params.rows)},
+      density_(params.columns, params.rows),
+      costs_ns_(static_cast<std::size_t>(params.columns * params.rows)),
+      traced_(2 * costs_ns_.size()),
       order_(traced_.size()),
       waiting_(traced_.size()) {
   BRACE_CHECK(params.columns > 0 && params.rows > 0 && params.bias >= 1.0);
   std::iota(order_.begin(), order_.end(), 0);
-  if (params.order == ChunkedParams::Order::gaze) {
-    std::stable_sort(order_.begin(), order_.end(),
-                     [&](int a, int b) { return off_axis(params, a) < off_axis(params, b); });
+}
+
+/// Squared distance of a cell's middle from that of its eye's picture.
+double CellSchedule::off_axis(int cell) const {
+  const int per_eye = params_.columns * params_.rows;
+  const CellCuts::Area area = cuts_[static_cast<std::size_t>(cell / per_eye)].area(cell % per_eye);
+  const double x = 0.5 * (area.left + area.right) - 0.5, y = 0.5 * (area.top + area.bottom) - 0.5;
+  return x * x + y * y;
+}
+
+/// New cells, each with its part of what the old ones have taken.
+void CellSchedule::cut() {
+  const std::size_t per_eye = costs_ns_.size();
+  for (std::size_t eye = 0; eye < 2; ++eye) {
+    const std::span<SimDuration> traced = std::span(traced_).subspan(eye * per_eye, per_eye);
+    for (std::size_t i = 0; i < per_eye; ++i)
+      costs_ns_[i] = static_cast<double>(traced[i].count());
+    density_.set(cuts_[eye], costs_ns_, kEvenShare);
+    const double sum_ns = std::accumulate(costs_ns_.begin(), costs_ns_.end(), 0.0);
+    cut_by_cost(density_, cuts_[eye]);
+    for (std::size_t i = 0; i < per_eye; ++i) {
+      const CellCuts::Area area = cuts_[eye].area(static_cast<int>(i));
+      const double even_ns = kEvenShare * sum_ns * (area.right - area.left) * (area.bottom - area.top);
+      traced[i] = SimDuration(std::llround(std::clamp(density_.in(area)-even_ns, 0.0, 9e18)));
+    }
   }
 }
 
 void CellSchedule::begin_frame() {
   std::fill(waiting_.begin(), waiting_.end(), true);
   left_ = cells();
-  if (params_.order != ChunkedParams::Order::cost) return;
-  std::sort(order_.begin(), order_.end(), [&](int a, int b) {
-    const SimDuration of_a = traced_[static_cast<std::size_t>(a)],
-                      of_b = traced_[static_cast<std::size_t>(b)];
-    return of_a != of_b ? of_a > of_b : a < b;
-  });
+  if (params_.cut == ChunkedParams::Cut::cost) cut();
+  const auto by = [&](const auto& earlier) {
+    std::sort(order_.begin(), order_.end(),
+              [&](int a, int b) { return earlier(a) != earlier(b) ? earlier(a) < earlier(b) : a < b; });
+  };
+  if (params_.order == ChunkedParams::Order::cost)
+    by([&](int cell) { return -traced_[static_cast<std::size_t>(cell)]; });
+  if (params_.order == ChunkedParams::Order::gaze) by([&](int cell) { return off_axis(cell); });
 }
 
 SimDuration CellSchedule::from_neighbourhood(int cell) const {

@@ -1,11 +1,13 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <vector>
 
 #include "base/time.hpp"
+#include "runtime/frame/cell_cuts.hpp"
 
 namespace brace {
 
@@ -20,12 +22,17 @@ struct ChunkedParams {
     cost,  // the dearest that fits
     gaze   // from the middle of both eyes' pictures outwards
   };
+  enum class Cut {
+    even,  // cells of one size
+    cost   // anew for every frame, so that cells are predicted to take the same
+  };
   int columns = 8, rows = 8;  // of each eye
   Guard guard = Guard::clock;
   Order order = Order::rows;
   double bias = 1.0;                     // factor on every prediction
   std::optional<SimDuration> reserve{};  // before a vsync, for its warp; default: the warp's own lead
   SimDuration cell_overhead{10'000};     // GPU time that each cell takes beside its work
+  Cut cut = Cut::even;
 };
 
 /// Which cell of an eye frame is cast next, and how long it is expected to take. A cell's time is traced from
@@ -39,8 +46,10 @@ class CellSchedule {
 
   int cells() const { return static_cast<int>(traced_.size()); }
 
-  /// All cells are to be cast again.
+  /// All cells are to be cast again; with Cut::cost they are other ones.
   void begin_frame();
+  /// Of this frame's cells, the left eye's and the right eye's.
+  std::span<const CellCuts, 2> cuts() const { return cuts_; }
   /// Of this frame.
   int left() const { return left_; }
 
@@ -61,8 +70,13 @@ class CellSchedule {
  private:
   SimDuration from_neighbourhood(int cell) const;
   Cell predict(int cell) const;
+  void cut();
+  double off_axis(int cell) const;
 
   ChunkedParams params_;
+  std::array<CellCuts, 2> cuts_;
+  CostDensity density_;
+  std::vector<double> costs_ns_;  // of an eye's cells
   std::vector<SimDuration> traced_;
   std::vector<int> order_;  // cells, in the order of this frame
   std::vector<bool> waiting_;

@@ -43,8 +43,14 @@ ChunkedCast::ChunkedCast(const ChunkedParams& params)
   in_flight_.reserve(outcomes_.size());
 }
 
-void ChunkedCast::begin_frame(std::int64_t frame, const JobOutcome& outcome) {
+std::span<const CellCuts> ChunkedCast::cut() {
   BRACE_CHECK(schedule_.left() == 0 && first_in_flight_ == in_flight_.size());
+  schedule_.begin_frame();
+  if (schedule_params_.cut == ChunkedParams::Cut::even) return {};
+  return schedule_.cuts();
+}
+
+void ChunkedCast::begin_frame(std::int64_t frame, const JobOutcome& outcome) {
   frame_ = frame;
   if (outcome.cells.empty()) {
     const std::uint64_t count = outcomes_.size();
@@ -61,7 +67,6 @@ void ChunkedCast::begin_frame(std::int64_t frame, const JobOutcome& outcome) {
   in_flight_.clear();
   first_in_flight_ = 0;
   whole_.reset();
-  schedule_.begin_frame();
 }
 
 double ChunkedCast::share_of(const CellOutcome& cell) const {

@@ -19,8 +19,10 @@ class ChunkedCast {
   const ChunkedParams& params() const { return schedule_params_; }
   int cells() const { return schedule_.cells(); }
 
-  /// Takes a new frame's cells; the one before must be done. Without any in `outcome` the frame's work is
-  /// taken to be spread evenly.
+  /// Cuts a new frame into cells; the one before must be done. Of the left and the right eye; empty: even.
+  std::span<const CellCuts> cut();
+  /// Takes the outcomes of the cells it was cut into; the one before must be done. Without any in `outcome`
+  /// the frame's work is taken to be spread evenly.
   void begin_frame(std::int64_t frame, const JobOutcome& outcome);
   /// A display period begins: one cell may be cast whatever it takes.
   void begin_period() { may_overrun_ = true; }

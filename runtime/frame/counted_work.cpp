@@ -60,6 +60,7 @@ CountedWork::CountedWork(std::vector<WorkProbe> probes, SimDuration period, std:
     }
   }
   cells_.resize(probes_.front().cell_shares.size());
+  shares_.resize(cells_.size());
   if (period_ < SimDuration(0)) throw input_error("counted work: the period is negative");
 }
 
@@ -82,13 +83,31 @@ WorkCounts CountedWork::interpolate(SimTime time, const Counts& counts) {
   return mix(counts(place.before), counts(place.after), place.t);
 }
 
+/// Shares of even cells become those of the cells asked for, spread evenly within the former.
+void CountedWork::share_by_cuts(const CastRequest& request) {
+  if (!even_) {
+    even_.emplace(request.cell_columns, request.cell_rows);
+    density_.emplace(request.cell_columns, request.cell_rows);
+  }
+  const std::size_t per_eye = cells_.size() / 2;
+  for (std::size_t eye = 0; eye < 2; ++eye) {
+    const std::span<double> shares = std::span(shares_).subspan(eye * per_eye, per_eye);
+    density_->set(*even_, shares);
+    for (std::size_t i = 0; i < per_eye; ++i)
+      shares[i] = density_->in(request.cuts[eye].area(static_cast<int>(i)));
+  }
+}
+
 /// By rounded running sums, so that the cells' counts sum up to the whole.
-void CountedWork::divide_into_cells(const WorkCounts& whole, SimTime time) {
-  const Place place = place_of(time);
+void CountedWork::divide_into_cells(const WorkCounts& whole, const CastRequest& request) {
+  const Place place = place_of(request.start);
+  for (std::size_t i = 0; i < cells_.size(); ++i)
+    shares_[i] = place.before.cell_shares[i] * (1 - place.t) + place.after.cell_shares[i] * place.t;
+  if (!request.cuts.empty()) share_by_cuts(request);
   WorkCounts until;
   double sum = 0.0;
   for (std::size_t i = 0; i < cells_.size(); ++i) {
-    sum += place.before.cell_shares[i] * (1 - place.t) + place.after.cell_shares[i] * place.t;
+    sum += shares_[i];
     const WorkCounts next = i + 1 == cells_.size() ? whole : mix({}, whole, std::min(sum, 1.0));
     cells_[i].work = difference(next, until);
     until = next;
@@ -112,7 +131,7 @@ JobOutcome CountedWork::cast(const CastRequest& request) {
                        return below == 0 ? probe.cast : mix(at(probe, below), at(probe, below - 1), t);
                      })};
   if (request.cell_columns > 0 && !cells_.empty()) {
-    divide_into_cells(outcome.work, request.start);
+    divide_into_cells(outcome.work, request);
     outcome.cells = cells_;
   }
   return outcome;

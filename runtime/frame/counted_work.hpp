@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <vector>
 
 #include "runtime/frame/frame_work.hpp"
@@ -14,7 +15,7 @@ struct WorkProbe {
   std::vector<WorkCounts> cast_below{};  // at the qualities below 1 that CountedWork is told
   WorkCounts warp{};
   WorkCounts update{};                // of a change of the transfer function to the version in force there
-  std::vector<double> cell_shares{};  // of a cast in cells: each one's part of the work; the sum is 1
+  std::vector<double> cell_shares{};  // of a cast in even cells: each one's part of the work; the sum is 1
 };
 
 /// FrameWork without pixels, for pacing-only replays: counts are interpolated linearly between probes
@@ -43,13 +44,17 @@ class CountedWork final : public FrameWork {
     double t;
   };
   Place place_of(SimTime time);
-  void divide_into_cells(const WorkCounts& whole, SimTime time);
+  void share_by_cuts(const CastRequest& request);
+  void divide_into_cells(const WorkCounts& whole, const CastRequest& request);
 
   std::vector<WorkProbe> probes_;
   SimDuration period_;
   std::vector<double> qualities_;   // from 1 on
   std::vector<CellOutcome> cells_;  // of the last cast
-  std::size_t cursor_ = 0;          // forward walks are amortised O(1)
+  std::vector<double> shares_;      // of its cells
+  std::optional<CellCuts> even_;    // of the probes; with cuts by cost
+  std::optional<CostDensity> density_;
+  std::size_t cursor_ = 0;  // forward walks are amortised O(1)
 };
 
 }  // namespace brace

@@ -196,13 +196,15 @@ void start_eye_frame(Loop& loop) {
   eye.reading_ns = readings.back().time_ns;
   eye.target_ns = to_ns(target);
   const std::optional<ChunkedParams>& cells = loop.config.chunked;
+  const std::span<const CellCuts> cuts = loop.chunked ? loop.chunked->cut() : std::span<const CellCuts>();
   const JobOutcome outcome = loop.inputs.work.cast({.frame = eye.frame,
                                                     .slot = static_cast<int>(eye.frame % frame_slots),
                                                     .world_from_head = eye.world_from_head,
                                                     .start = now,
                                                     .quality = loop.quality,
                                                     .cell_columns = cells ? cells->columns : 0,
-                                                    .cell_rows = cells ? cells->rows : 0});
+                                                    .cell_rows = cells ? cells->rows : 0,
+                                                    .cuts = cuts});
   eye.work = outcome.work;
   loop.casting = eye;
   if (loop.chunked) {

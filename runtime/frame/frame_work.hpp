@@ -6,6 +6,7 @@
 
 #include "base/pose.hpp"
 #include "base/time.hpp"
+#include "runtime/frame/cell_cuts.hpp"
 #include "runtime/metrics/frame_record.hpp"
 
 namespace brace {
@@ -21,6 +22,7 @@ struct CastRequest {
   SimTime start{};
   double quality = 1.0;  // 0 < quality <= 1, from the control stage: fraction of the full ray count
   int cell_columns = 0, cell_rows = 0;  // of each eye: outcomes of cells are wanted; 0: of the frame alone
+  std::span<const CellCuts> cuts{};     // of the left and the right eye into these cells; empty: even
 };
 
 /// Head poses at the photons of a vsync's first and last line, in the order of the scan-out.

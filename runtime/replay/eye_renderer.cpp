@@ -277,25 +277,26 @@ SimDuration EyeRenderer::submit_step(const char* name, const Record& record) {
   return SimDuration(total_ns(gpu::submit_and_wait(commands_)));
 }
 
-void EyeRenderer::cast_cells(const CastPipeline::Resources& resources, int columns, int rows) {
-  const int across = resources.rays_across(), down = resources.rays_down();
-  for (int row = 0; row < rows; ++row)
-    for (int column = 0; column < columns; ++column) {
-      const int x = across * column / columns, y = down * row / rows;
-      const CastArea area{x, y, across * (column + 1) / columns - x, down * (row + 1) / rows - y};
-      pipeline_.reset_counters(device_);
-      CellOutcome cell;
+void EyeRenderer::cast_cells(const CastPipeline::Resources& resources, const CellCuts& cuts) {
+  for (int i = 0; i < cuts.columns * cuts.rows; ++i) {
+    const CastArea area = rays_of(cuts.area(i), {0, 0, resources.rays_across(), resources.rays_down()});
+    pipeline_.reset_counters(device_);
+    CellOutcome cell;
+    if (area.width > 0 && area.height > 0) {
       cell.device_time = submit_step("cast", [&] { pipeline_.record_cast(commands_, resources, area); });
       cell.work = pipeline_.counted(device_);
-      cells_.push_back(cell);
     }
+    cells_.push_back(cell);
+  }
 }
 
 JobOutcome EyeRenderer::render_cells(const Pose& world_from_head, const EyePair& into, double quality,
-                                     int columns, int rows) {
+                                     const Cells& cells) {
+  const CellCuts even(cells.columns, cells.rows);
   if (single_pass_) {
-    const SinglePass::Cells cells{columns, rows, cells_};
-    if (const std::optional<JobOutcome> outcome = single_pass_->render(world_from_head, into, &cells))
+    const SinglePass::Cells of_single_pass{cells.cuts.empty() ? even : cells.cuts[0], cells_};
+    if (const std::optional<JobOutcome> outcome =
+            single_pass_->render(world_from_head, into, &of_single_pass))
       return *outcome;
   }
   if (mab_) mab_->set_quality(quality);
@@ -308,7 +309,7 @@ JobOutcome EyeRenderer::render_cells(const Pose& world_from_head, const EyePair&
     const SimDuration opening = submit_step("opening", [&] {
       pipeline_.record_opening(commands_, resources, {0, 0, resources.rays_across(), resources.rays_down()});
     });
-    cast_cells(resources, columns, rows);
+    cast_cells(resources, cells.cuts.empty() ? even : cells.cuts[static_cast<std::size_t>(eye)]);
     const SimDuration closing = submit_step("closing", [&] {
       pipeline_.record_closing(commands_, resources, {0, 0, target.width_px, target.height_px});
     });

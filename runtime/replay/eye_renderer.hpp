@@ -62,10 +62,14 @@ class EyeRenderer {
   };
   const StepTimes& step_times() const { return step_times_; }
 
-  /// The same in cells, a grid over each eye's rays, each cell on its own; valid until the next call. Kernels
+  struct Cells {
+    int columns = 0, rows = 0;         // of each eye
+    std::span<const CellCuts> cuts{};  // of the left and the right eye; empty: even
+  };
+  /// The same in cells over each eye's rays, each cell on its own; valid until the next call. Kernels
   /// alone: see require_cells.
-  JobOutcome render_cells(const Pose& world_from_head, const EyePair& into, double quality, int columns,
-                          int rows);
+  JobOutcome render_cells(const Pose& world_from_head, const EyePair& into, double quality,
+                          const Cells& cells);
 
   /// Full rate, each ray from where the eye is when the panel shows its pixel. The session's rays are those
   /// of ScanLineRays::opening.
@@ -83,7 +87,7 @@ class EyeRenderer {
   void set_eye(sim::Eye eye, const EyeView& view, const EyeTarget& target) const;
   CastPipeline::Resources resources_of(sim::Eye eye, const EyeTarget& target);
   JobOutcome render_by_steps(const Pose& world_from_head, const EyePair& into);
-  void cast_cells(const CastPipeline::Resources& resources, int columns, int rows);
+  void cast_cells(const CastPipeline::Resources& resources, const CellCuts& cuts);
   template <class Record>
   SimDuration submit_step(const char* name, const Record& record);
   EyeCastOutcome cast_eye_by_steps(sim::Eye eye, const Pose& world_from_head, const EyeTarget& target);

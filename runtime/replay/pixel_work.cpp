@@ -42,8 +42,8 @@ JobOutcome PixelWork::update(const UpdateRequest& request) {
 JobOutcome PixelWork::cast(const CastRequest& request) {
   const EyePair& eyes = slots_[static_cast<std::size_t>(request.slot)];
   if (request.cell_columns == 0) return renderer_.render(request.world_from_head, eyes, request.quality);
-  return renderer_.render_cells(request.world_from_head, eyes, request.quality, request.cell_columns,
-                                request.cell_rows);
+  return renderer_.render_cells(request.world_from_head, eyes, request.quality,
+                                {request.cell_columns, request.cell_rows, request.cuts});
 }
 
 JobOutcome PixelWork::warp(const WarpRequest& request) {

@@ -54,7 +54,8 @@ WorkProbe probe_cast(const Session& session, EyeRenderer& renderer, const Pose& 
   if (schedule.stage.id() != "schedule/chunked")
     return {.time = {}, .cast = renderer.render(pose, eyes).work};
   const JobOutcome outcome = renderer.render_cells(
-      pose, eyes, 1.0, static_cast<int>(schedule.value("columns")), static_cast<int>(schedule.value("rows")));
+      pose, eyes, 1.0,
+      {static_cast<int>(schedule.value("columns")), static_cast<int>(schedule.value("rows"))});
   WorkProbe probe{.time = {}, .cast = outcome.work};
   // An empty cell still has its rays to look at.
   const double all = static_cast<double>(outcome.work.samples + outcome.cells.size());

@@ -79,6 +79,12 @@ SimDuration SinglePass::submit() {
   return time;
 }
 
+CastArea rays_of(const CellCuts::Area& cell, const CastArea& all) {
+  const auto edge = [](double share, int rays) { return static_cast<int>(std::floor(share * rays + 1e-9)); };
+  const int x = edge(cell.left, all.width), y = edge(cell.top, all.height);
+  return {all.x + x, all.y + y, edge(cell.right, all.width) - x, edge(cell.bottom, all.height) - y};
+}
+
 void SinglePass::cast_rays(const CastPipeline& pipeline, const CastPipeline::Resources& resources,
                            const CastArea& area, const Cells* cells) {
   pipeline.reset_counters(device_);
@@ -90,18 +96,19 @@ void SinglePass::cast_rays(const CastPipeline& pipeline, const CastPipeline::Res
     return;
   }
   const SimDuration opening = submit();
-  const auto [columns, rows, outcomes] = *cells;
+  std::vector<CellOutcome>& outcomes = cells->outcomes;
   outcomes.clear();
-  for (int row = 0; row < rows; ++row)
-    for (int column = 0; column < columns; ++column) {
-      const int x = area.width * column / columns, y = area.height * row / rows;
-      const CastArea cell{area.x + x, area.y + y, area.width * (column + 1) / columns - x,
-                          area.height * (row + 1) / rows - y};
+  for (int i = 0; i < cells->cuts.columns * cells->cuts.rows; ++i) {
+    const CastArea cell = rays_of(cells->cuts.area(i), area);
+    CellOutcome outcome;
+    if (cell.width > 0 && cell.height > 0) {
       pipeline.reset_counters(device_);
       step("cast", [&] { pipeline.record_cast(commands_, resources, cell); });
-      const SimDuration time = submit();
-      outcomes.push_back({pipeline.counted(device_), time});
+      outcome.device_time = submit();
+      outcome.work = pipeline.counted(device_);
     }
+    outcomes.push_back(outcome);
+  }
   outcomes.front().device_time += opening;
 }
 

@@ -40,6 +40,9 @@ struct NovelViewMemory {
 };
 NovelViewMemory novel_view_memory(const Session& session, const Headset& headset);
 
+/// The rays of a cell, its edges at whole rays: next to each other, cells leave none out and share none.
+CastArea rays_of(const CellCuts::Area& cell, const CastArea& all);
+
 /// Renders both eyes by casting the left one's rays alone.
 class SinglePass {
  public:
@@ -56,10 +59,10 @@ class SinglePass {
       : device_(device), commands_(device, name) {}
   virtual ~SinglePass() = default;
 
-  /// Wants the cast in cells, a grid over its rays, each submitted by itself. Outcomes are as many as those
+  /// Wants the cast in cells, which are cut out of its rays, each submitted by itself. Outcomes are as many as those
   /// of two eyes: what follows the cast comes in one piece, the last of them; those before it have no work.
   struct Cells {
-    int columns, rows;
+    const CellCuts& cuts;
     std::vector<CellOutcome>& outcomes;
   };
 

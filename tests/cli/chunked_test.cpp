@@ -56,8 +56,12 @@ TEST_F(ChunkedRun, PicturesAreThoseOfWholeFramesWithEveryRaysAndSkipStage) {
     chunked.insert(chunked.end(),
                    {"pipeline.schedule=chunked", "stage.chunked.columns=3", "stage.chunked.rows=5"});
     run("chunked", chunked);
-    for (const char* eye : {"left", "right"})
+    chunked.push_back("stage.chunked.cut=cost");
+    run("cut", chunked);
+    for (const char* eye : {"left", "right"}) {
       EXPECT_TRUE(picture("whole", eye) == picture("chunked", eye)) << eye;
+      EXPECT_TRUE(picture("whole", eye) == picture("cut", eye)) << eye << ", cut by cost";
+    }
   }
 }
 

@@ -2,6 +2,7 @@ brace_test(frame_test LABEL unit
   LIBRARIES brace::frame brace::stages_predict brace::stages_control
   SOURCES
     ${CMAKE_CURRENT_LIST_DIR}/frame/allocation_counter.cpp
+    ${CMAKE_CURRENT_LIST_DIR}/frame/cell_cuts_test.cpp
     ${CMAKE_CURRENT_LIST_DIR}/frame/cell_schedule_test.cpp
     ${CMAKE_CURRENT_LIST_DIR}/frame/chunked_test.cpp
     ${CMAKE_CURRENT_LIST_DIR}/frame/counted_work_test.cpp
