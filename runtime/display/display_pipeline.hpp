@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -51,6 +52,13 @@ class PanelTarget {
   void set_poses(const gpu::Device& device, const Pose& world_from_old_eye, const Pose& world_from_new_eye);
   void set_poses(const gpu::Device& device, const Pose& world_from_old_eye, const ScanEye& new_eye);
 
+  /// How far from the old eye all there is to see lies, metres: what warps that search in depth need not look
+  /// beyond. Holds until it is set anew.
+  struct SceneRange {
+    double nearest_m = 0.0, farthest_m = 0.0;
+  };
+  void set_scene_range(const SceneRange& range) { scene_range_ = range; }
+
   /// Pixels of the panel that the kernel writes, and its texel fetches: counted work, known beforehand.
   std::uint64_t pixels_written() const { return pixels_written_; }
   std::uint64_t texel_fetches(const LensTraits& lens) const {
@@ -67,6 +75,7 @@ class PanelTarget {
   std::uint64_t pixels_written_ = 0;
   std::uint32_t tile_count_ = 0;
   BraceDisplayParams params_{};
+  std::optional<SceneRange> scene_range_;
   gpu::Buffer image_, params_buffer_, tiles_;
   gpu::TexelBuffer tile_texels_;
 };

@@ -1,6 +1,7 @@
 #include "runtime/replay/panel_display.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "runtime/host/stage_glsl.hpp"
 #include "runtime/replay/series_facts.hpp"
@@ -37,6 +38,18 @@ gpu::KernelDescription display_kernel(const PipelineStage& warp, const LensTrait
   return compose_display_kernel(parts);
 }
 
+/// A little wider than the box, as depths are floats.
+PanelTarget::SceneRange range_of(const NovelView::Box& box, const Pose& world_from_eye) {
+  const glm::dvec3 eye = compose(inverse(box.world_from_volume), world_from_eye).position;
+  glm::dvec3 to_near, to_far;
+  for (int axis = 0; axis < 3; ++axis) {
+    const double half = 0.5 * box.edges_m[static_cast<std::size_t>(axis)];
+    to_near[axis] = std::max(std::abs(eye[axis]) - half, 0.0);
+    to_far[axis] = std::abs(eye[axis]) + half;
+  }
+  return {glm::length(to_near) * 0.999, glm::length(to_far) * 1.001};
+}
+
 }  // namespace
 
 PanelDisplay::PanelDisplay(const gpu::Device& device, const Headset& headset, const PipelineStage& warp,
@@ -60,6 +73,7 @@ PanelDisplay::PanelDisplay(const gpu::Device& device, const Headset& headset, co
                    data_folder) {
   if (warp.stage.native != nullptr) native_warp_.emplace(device, warp, activation, headset.eye);
   by_line_ = warps_by_line(warp);
+  box_ = box_of(activation);
   if (takes_layers(warp)) layered_.emplace(device, warp, activation, headset, data_folder);
 }
 
@@ -72,6 +86,8 @@ JobOutcome PanelDisplay::show(const PanelImage& image) {
   for (const sim::Eye eye : sim::all_eyes) {
     const auto i = static_cast<std::size_t>(eye);
     const Pose& head_from_eye = headset_.profile.eye(eye).head_from_eye;
+    if (box_)
+      panels_[i].set_scene_range(range_of(*box_, compose(image.render_world_from_head, head_from_eye)));
     panels_[i].set_poses(device_, compose(image.render_world_from_head, head_from_eye),
                          {compose(scan.first_line, head_from_eye), compose(scan.last_line, head_from_eye)});
     const EyeWarp warp{

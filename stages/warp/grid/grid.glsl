@@ -1,7 +1,8 @@
 // The eye frame as a surface through its first hits, seen from the new pose (after Buchacher 2017, 5.3.2, who draws
 // it as a mesh). Here each pixel looks its own point up: along its ray, from near to far, the old picture's depths are
 // asked until the ray is behind them. In the old picture that ray is a straight line; it is walked in steps of w, one
-// over the distance in units of the direction, from near_m to infinity (w = 0), where the search always ends.
+// over the distance in units of the direction, from where the scene begins to where it ends, and from there to infinity
+// (w = 0) in one.
 #define BRACE_WARP_PER_PIXEL
 
 layout(set = 0, binding = BRACE_SLOT_SOURCE_DEPTH) uniform samplerBuffer brace_source_depth_m;
@@ -47,16 +48,36 @@ vec2 grid_crossing(GridPoint before, GridPoint behind) {
   return mix(before.tan_xy, behind.tan_xy, clamp(t, 0.0, 1.0));
 }
 
-// Where the ray first is behind the surface, in `count` steps.
-vec2 grid_search(vec3 direction, vec3 origin_m, float w_max, float count) {
-  GridPoint before = grid_point(direction, origin_m, w_max);
+// Where the ray first is behind the surface between w.x and w.y, in `count` steps, or else at infinity.
+vec2 grid_search(vec3 direction, vec3 origin_m, vec2 w, float count) {
+  GridPoint before = grid_point(direction, origin_m, w.x);
   if (before.in_front <= 0.0) return before.tan_xy;
-  for (float i = 1.0; i < count; i += 1.0) {
-    const GridPoint next = grid_point(direction, origin_m, w_max * (1.0 - i / count));
+  for (float i = 1.0; i <= count; i += 1.0) {
+    const GridPoint next = grid_point(direction, origin_m, mix(w.x, w.y, i / count));
     if (next.in_front <= 0.0) return grid_crossing(before, next);
     before = next;
   }
   return grid_crossing(before, grid_point(direction, origin_m, 0.0));
+}
+
+// w where the ray comes to the scene and where it has left it, by the triangle of the two eyes and the point: not nearer
+// than near_m, and in front of the old eye.
+vec2 grid_range(vec3 direction, vec3 origin_m) {
+  float w_max = 1.0 / warp_near_m, w_min = 0.0;
+  const float farthest_m = brace_display.old_from_new[1].w;
+  if (farthest_m > 0.0) {
+    const float apart_m = length(origin_m), per_m = length(direction);
+    w_max = min(w_max, per_m / max(brace_display.old_from_new[0].w - apart_m, 1e-6));
+    w_min = min(per_m / (farthest_m + apart_m), w_max);
+  }
+  if (-(direction.z + w_max * origin_m.z) <= GRID_BESIDE) w_max = (-direction.z - GRID_BESIDE) / origin_m.z;
+  return vec2(w_max, min(w_min, w_max));
+}
+
+// Tangents of a point of the ray in the old picture; within grid_range.
+vec2 grid_tangents(vec3 direction, vec3 origin_m, float w) {
+  const vec3 p = direction + w * origin_m;
+  return p.xy / -p.z;
 }
 
 void brace_warp_pixel(vec2 tan_xy) {
@@ -64,20 +85,18 @@ void brace_warp_pixel(vec2 tan_xy) {
   const vec3 origin_m = brace_new_eye_m();
   const vec3 direction = brace_old_from_new(vec3(tan_xy, -1.0)) - origin_m;
   if (-direction.z <= GRID_BESIDE) return;
-  // As near as near_m, but in front of the old eye.
-  float w_max = 1.0 / warp_near_m;
-  if (-(direction.z + w_max * origin_m.z) <= GRID_BESIDE) w_max = (-direction.z - GRID_BESIDE) / origin_m.z;
+  const vec2 w = grid_range(direction, origin_m);
   const vec2 at_infinity = direction.xy / -direction.z;
-  const vec3 nearest = direction + w_max * origin_m;
-  const vec2 path = nearest.xy / -nearest.z - at_infinity;
+  const vec2 path = grid_tangents(direction, origin_m, w.x) - at_infinity;
   const vec2 path_px = abs(path * brace_display.source.xy);
-  const float length_px = max(path_px.x, path_px.y);
   // Within a pixel there is no edge to look for, and the path is as good as linear in w.
-  if (length_px <= 1.0) {
-    grid_parallax = path * clamp(grid_inverse_depth(at_infinity) * length(direction) / w_max, 0.0, 1.0);
+  if (max(path_px.x, path_px.y) <= 1.0) {
+    grid_parallax = path * clamp(grid_inverse_depth(at_infinity) * length(direction) / w.x, 0.0, 1.0);
     return;
   }
-  grid_parallax = grid_search(direction, origin_m, w_max, min(ceil(length_px), float(warp_steps))) - at_infinity;
+  const vec2 search_px = abs((path - (grid_tangents(direction, origin_m, w.y) - at_infinity)) * brace_display.source.xy);
+  const float steps = clamp(ceil(max(search_px.x, search_px.y)), 1.0, float(warp_steps));
+  grid_parallax = grid_search(direction, origin_m, w, steps) - at_infinity;
 }
 
 vec2 brace_warp_source(vec2 tan_xy) {
