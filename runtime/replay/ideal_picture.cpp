@@ -44,7 +44,8 @@ IdealPicture::IdealPicture(const gpu::Device& device, const Session& session, co
 
 PanelPair IdealPicture::show(const Pose& true_world_from_head, const std::optional<ScanPoses>& true_scan) {
   if (session_.output.ideal_by_line) {
-    renderer_.render_by_line(true_scan.value_or(ScanPoses{true_world_from_head, true_world_from_head}), eyes_);
+    renderer_.render_by_line(true_scan.value_or(ScanPoses{true_world_from_head, true_world_from_head}),
+                             eyes_);
   } else {
     renderer_.render(true_world_from_head, eyes_);
   }

@@ -58,7 +58,7 @@ class PanelDisplay {
   const gpu::Device& device_;
   const Headset& headset_;
   LensTraits lens_;
-  bool by_line_;                        // the warp
+  bool by_line_;                       // the warp
   std::optional<NovelView::Box> box_;  // of the volume, where it is known
   DisplayPipeline pipeline_;
   std::optional<NativeWarp> native_warp_;

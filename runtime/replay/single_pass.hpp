@@ -59,8 +59,9 @@ class SinglePass {
       : device_(device), commands_(device, name) {}
   virtual ~SinglePass() = default;
 
-  /// Wants the cast in cells, which are cut out of its rays, each submitted by itself. Outcomes are as many as those
-  /// of two eyes: what follows the cast comes in one piece, the last of them; those before it have no work.
+  /// Wants the cast in cells, which are cut out of its rays, each submitted by itself. Outcomes are as many
+  /// as those of two eyes: what follows the cast comes in one piece, the last of them; those before it have
+  /// no work.
   struct Cells {
     const CellCuts& cuts;
     std::vector<CellOutcome>& outcomes;

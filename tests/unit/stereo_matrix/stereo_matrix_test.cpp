@@ -77,7 +77,7 @@ class Rig {
     Pictures all;
     for (const double turn : kTurns_rad) {
       if (in_cells) {
-        const JobOutcome outcome = renderer_.render_cells(head(turn), eyes_, 1.0, kCells, kCells);
+        const JobOutcome outcome = renderer_.render_cells(head(turn), eyes_, 1.0, {kCells, kCells});
         EXPECT_EQ(outcome.cells.size(), 2u * kCells * kCells);
       } else {
         renderer_.render(head(turn), eyes_);
