@@ -1,5 +1,6 @@
 #include "bench/plan.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -18,6 +19,8 @@ namespace brace {
 namespace {
 
 constexpr std::array off_pixels = {0.125, 0.25, 0.5, 1.0, 2.0};
+constexpr std::array scan_out_pixels = {0.25, 0.5, 1.0, 2.0, 4.0};
+constexpr int scan_out_bands = 16;  // rows that are taken to be lit together
 
 Session plan_session(const PlanBenchOptions& options, const std::string& volume,
                      const std::string& transfer_function, const std::string& integrator,
@@ -70,6 +73,26 @@ Pose turned(const Headset& headset, double off_px) {
   return pose;
 }
 
+/// What panels show that light their rows from top to bottom while the head turns by `scan_out_px`: each band
+/// of rows as it is when it is lit. The middle row is that of a head at rest.
+PanelPair rolling(PlanPictures& pictures, double scan_out_px) {
+  PanelPair shown;
+  for (int band = 0; band < scan_out_bands; ++band) {
+    const double off_px = scan_out_px * ((band + 0.5) / scan_out_bands - 0.5);
+    PanelPair whole = pictures.at(turned(pictures.headset(), off_px));
+    if (band == 0) shown = whole;
+    for (std::size_t eye = 0; eye < whole.size(); ++eye) {
+      const auto row_begin = [&](int of_band) {
+        return whole[eye].pixels.begin() + static_cast<std::ptrdiff_t>(whole[eye].height_px * of_band /
+                                                                       scan_out_bands * whole[eye].width_px);
+      };
+      const auto from = row_begin(band), to = row_begin(band + 1);
+      std::copy(from, to, shown[eye].pixels.begin() + (from - whole[eye].pixels.begin()));
+    }
+  }
+  return shown;
+}
+
 void measure_scene(const gpu::Device& device, const PlanBenchOptions& options, const std::string& volume,
                    const std::string& transfer_function, PlanBenchResult& result) {
   PlanPictures with(device, options, plan_session(options, volume, transfer_function, "pre-integrated"));
@@ -78,6 +101,9 @@ void measure_scene(const gpu::Device& device, const PlanBenchOptions& options, c
     const PanelPair off = with.at(turned(with.headset(), off_px));
     result.off.push_back({volume, transfer_function, off_px, mean_dssim(off, truth, with.headset())});
   }
+  for (const double scan_out_px : scan_out_pixels)
+    result.scan_out.push_back({volume, transfer_function, scan_out_px,
+                               mean_dssim(rolling(with, scan_out_px), truth, with.headset())});
   PlanPictures without(device, options,
                        plan_session(options, volume, transfer_function, "midpoint-exponential"));
   PlanPictures fine(device, options,
@@ -133,6 +159,17 @@ std::string to_text(const PlanBenchResult& result) {
     text += fmt::format("{:>11.2e}", row.dssim);
     before = &row;
   }
+  text += fmt::format(
+      "\n\nDSSIM of a rolling picture against one lit at once, while the view moves by\n{:<32}{:<12}",
+      "volume", "transfer");
+  for (const double scan_out_px : scan_out_pixels)
+    text += fmt::format("{:>8} px", scan_out_px);
+  for (std::size_t i = 0; i < result.scan_out.size(); ++i) {
+    const PlanScanOutRow& row = result.scan_out[i];
+    if (i % scan_out_pixels.size() == 0)
+      text += fmt::format("\n{:<32}{:<12}", row.volume, row.transfer_function);
+    text += fmt::format("{:>11.2e}", row.dssim);
+  }
   text += fmt::format("\n\nDSSIM without pre-integration\n{:<32}{:<12}{:>12}{:>16}{:>19}\n", "volume",
                       "transfer", "change", "error with it", "error without it");
   for (const PlanIntegratorRow& row : result.integrators)
@@ -156,6 +193,11 @@ std::string to_json(const PlanBenchResult& result) {
                                    {"change_dssim", row.change_dssim},
                                    {"error_with_dssim", row.error_with_dssim},
                                    {"error_without_dssim", row.error_without_dssim}});
+  for (const PlanScanOutRow& row : result.scan_out)
+    json["scan_out"].push_back({{"volume", row.volume},
+                                {"transfer_function", row.transfer_function},
+                                {"scan_out_px", row.scan_out_px},
+                                {"dssim", row.dssim}});
   json["noise_share"] = result.noise_share;
   return json.dump(2);
 }

@@ -37,12 +37,21 @@ struct PlanIntegratorRow {
   double error_without_dssim = 0.0;  // against the small steps: what it wants to know
 };
 
+/// A picture that is scanned out while the head turns, every row shown from the pose that it is rendered for,
+/// against one that is shown at once: what a rolling panel does to an eye frame that nobody corrects.
+struct PlanScanOutRow {
+  std::string volume, transfer_function;
+  double scan_out_px = 0.0;  // that the view moves by from the first row to the last, as rendered
+  double dssim = 0.0;        // mean of both eyes
+};
+
 struct PlanBenchResult {
   std::string device, driver;
   std::vector<PlanOffRow> off;
   std::vector<PlanIntegratorRow> integrators;
   double noise_share =
       0.0;  // p95 of how far medians of six eye frames' device times differ from their own median
+  std::vector<PlanScanOutRow> scan_out;
 };
 
 PlanBenchResult bench_plan(const PlanBenchOptions& options);

@@ -7,6 +7,7 @@
 
 #include "base/suggest.hpp"
 #include "runtime/plan/plan_rules.hpp"
+#include "runtime/session/mab_level_items.hpp"
 #include "runtime/session/plan_keys.hpp"
 
 namespace brace {
@@ -30,6 +31,7 @@ class Planner {
         trial_(trials.replay_briefly(whole_)) {}
 
   const PlanTrial& trial() const { return trial_; }
+  const Session& current() const { return current_; }
   const std::vector<std::string>& left_out() const { return left_out_; }
 
   /// Tries to do without one more item and keeps it so if nothing is lost.
@@ -48,8 +50,9 @@ class Planner {
     line.saving_ms = trial_.frame_ms - tried.frame_ms;
     const bool costs_nothing = *line.saving_ms >= rules_.least_saving_ms(trial_);
     line.verdict = costs_nothing ? PlanVerdict::left_out : PlanVerdict::kept;
-    line.figure = error.figure + (error.figure.empty() ? "" : "; ") +
-                  fmt::format("{:.3f} ms with, {:.3f} without", trial_.frame_ms, tried.frame_ms);
+    for (const std::string& part : {rules_.fact_behind(item), error.figure})
+      if (!part.empty()) line.figure += part + "; ";
+    line.figure += fmt::format("{:.3f} ms with, {:.3f} without", trial_.frame_ms, tried.frame_ms);
     if (costs_nothing) {
       left_out_ = items;
       current_ = tried_session;
@@ -78,6 +81,12 @@ class Planner {
   std::vector<std::string> left_out_;
 };
 
+/// Whether it can be tried now: neither gone with another item nor the last level of the atlas.
+bool stands_alone(const Session& current, const std::string& item) {
+  return has_item(current, item) &&
+         !(mab_level_of(item) && current.pipeline.at("rays").value("levels") == 1.0);
+}
+
 /// Items that are tried: the session has them and nobody asked to keep them.
 std::vector<std::string> items_to_try(const Session& given) {
   std::vector<std::string> items;
@@ -86,15 +95,19 @@ std::vector<std::string> items_to_try(const Session& given) {
   return items;
 }
 
-PlanLine line_without_trial(const Session& given, const std::string& item, const PlanRules& rules) {
+PlanLine line_without_trial(const Session& given, const Session& planned, const std::string& item,
+                            const PlanRules& rules) {
   PlanLine line{.item = item, .stage = stage_text(given, item), .figure = {}, .saving_ms = {}};
   if (contains(given.plan.leave_out, item)) {
     line.verdict = PlanVerdict::left_out;
     line.figure = "asked for";
   } else if (contains(tried_items(), item)) {
-    const bool has = has_item(given, item);
-    line.verdict = has ? PlanVerdict::kept : PlanVerdict::absent;
-    line.figure = has ? "asked for" : "the session has none";
+    const bool has = has_item(given, item), asked_for = contains(given.plan.keep, item);
+    line.verdict = has && (asked_for || has_item(planned, item)) ? PlanVerdict::kept : PlanVerdict::absent;
+    line.figure = asked_for                           ? "asked for"
+                  : !has                              ? "the session has none"
+                  : line.verdict == PlanVerdict::kept ? "the only level"
+                                                      : "gone with rays/mab";
   } else {
     rules.judge_display(given, line);
   }
@@ -126,8 +139,12 @@ std::vector<LeftOut> Plan::reasons() const {
 
 Plan make_plan(const SessionReader& read, PlanTrials& trials, const PlanThresholds& thresholds) {
   const Session given = read({});
-  const PlanRules rules(given, trials.data_folder(), thresholds);
+  SceneFacts facts = scene_facts(given, make_headset(given, trials.data_folder()),
+                                 load_head_trace(given.trace, trials.data_folder()));
+  facts.volume = trials.look_at_volume(given);
+  const PlanRules rules(std::move(facts), thresholds);
   Plan plan;
+  plan.facts = rules.facts();
   plan.cost = given.clock.cost;
   plan.given_ms = trials.replay_briefly(given).frame_ms;
   Planner planner(read, trials, rules, given);
@@ -136,14 +153,19 @@ Plan make_plan(const SessionReader& read, PlanTrials& trials, const PlanThreshol
   for (bool again = true; again;) {
     const std::size_t before = planner.left_out().size();
     for (const std::string& item : items_to_try(given))
-      if (!contains(planner.left_out(), item)) lines[item] = planner.consider(item);
+      if (!contains(planner.left_out(), item) && stands_alone(planner.current(), item))
+        lines[item] = planner.consider(item);
     again = planner.left_out().size() > before;
   }
   plan.leave_out = given.plan.leave_out;
   plan.leave_out.insert(plan.leave_out.end(), planner.left_out().begin(), planner.left_out().end());
   plan.planned_ms = planner.trial().frame_ms;
-  for (const std::string& item : plan_items())
-    plan.lines.push_back(lines.contains(item) ? lines.at(item) : line_without_trial(given, item, rules));
+  for (const std::string& item : plan_items()) {
+    const auto level = mab_level_of(item);
+    if (level && *level >= static_cast<int>(given.plan.mab_scales.size())) continue;
+    plan.lines.push_back(lines.contains(item) ? lines.at(item)
+                                              : line_without_trial(given, planner.current(), item, rules));
+  }
   return plan;
 }
 

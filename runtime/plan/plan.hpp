@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "runtime/plan/scene_facts.hpp"
 #include "runtime/plan/trial.hpp"
 #include "runtime/session/session.hpp"
 
@@ -41,6 +42,7 @@ struct Plan {
   std::vector<std::string> leave_out;       // for plan.leave_out
   double given_ms = 0.0, planned_ms = 0.0;  // of the simulated GPU per frame, predicted from trials
   std::string cost;                         // that priced them: clock.cost
+  SceneFacts facts;                         // what the decisions stand on
 
   double saving() const { return given_ms > 0.0 ? 1.0 - planned_ms / given_ms : 0.0; }
   /// What is left out and why, for the report.

@@ -2,13 +2,19 @@
 
 #include <fmt/format.h>
 
+#include "runtime/session/mab_level_items.hpp"
 #include "runtime/session/plan_keys.hpp"
 
 namespace brace {
 
 const std::vector<std::string>& tried_items() {
-  static const std::vector<std::string> items = {
-      "warp", "shading", "preintegration", "early_termination", "stereo", "rays", "skip"};
+  static const std::vector<std::string> items = [] {
+    std::vector<std::string> names = {"warp",   "shading", "preintegration", "early_termination",
+                                      "stereo", "rays"};
+    names.insert(names.end(), mab_level_items().begin(), mab_level_items().end());
+    names.push_back("skip");
+    return names;
+  }();
   return items;
 }
 
@@ -16,6 +22,8 @@ std::string stage_text(const Session& session, const std::string& item) {
   if (item == "shading") return session.scene.shading;
   if (session.pipeline.contains(item)) return session.pipeline.at(item).stage.id();
   if (!has_item(session, item) || item == "scan_out_correction") return "-";
+  if (const auto level = mab_level_of(item))
+    return fmt::format("rays/mab at {:g}", session.plan.mab_scales[static_cast<std::size_t>(*level)]);
   const PipelineStage& cast = session.pipeline.at("cast");
   if (item == "preintegration") return cast.stage.id();
   if (item == "early_termination")
@@ -23,11 +31,13 @@ std::string stage_text(const Session& session, const std::string& item) {
   return "display";
 }
 
-PlanRules::PlanRules(const Session& given, const std::filesystem::path& data_folder,
-                     const PlanThresholds& thresholds)
-    : thresholds_(thresholds),
-      facts_(
-          scene_facts(given, make_headset(given, data_folder), load_head_trace(given.trace, data_folder))) {}
+std::string PlanRules::fact_behind(const std::string& item) const {
+  if (!facts_.volume) return "";
+  if (item == "skip") return fmt::format("occupancy {:.3f}", facts_.volume->occupancy);
+  if (item == "preintegration") return fmt::format("kappa dt up to {:.3g}", facts_.volume->kappa_dt_max);
+  if (item == "stereo") return fmt::format("disparity {:.2f} px", *facts_.disparity_px());
+  return "";
+}
 
 ErrorVerdict PlanRules::warp_error(const Session& whole, const Session& without, PlanTrials& trials) const {
   const auto off_px = [&](const Session& session) {
@@ -55,7 +65,7 @@ ErrorVerdict PlanRules::error_without(const std::string& item, const Session& wh
                                       PlanTrials& trials) const {
   if (item == "warp") return warp_error(whole, without, trials);
   if (item == "preintegration") return integrator_error(whole, without, trials);
-  if (item != "shading") return {};
+  if (item != "shading" && !mab_level_of(item)) return {};
   const std::optional<double> change = trials.picture_change(whole, without);
   if (!change) return {};
   return {*change <= thresholds_.picture_dssim,

@@ -25,7 +25,12 @@ struct ErrorVerdict {
 /// Each item's rule (numerics.md, section 9) for one session.
 class PlanRules {
  public:
-  PlanRules(const Session& given, const std::filesystem::path& data_folder, const PlanThresholds& thresholds);
+  PlanRules(SceneFacts facts, const PlanThresholds& thresholds)
+      : thresholds_(thresholds), facts_(std::move(facts)) {}
+
+  const SceneFacts& facts() const { return facts_; }
+  /// What the scene says of an item, "" where nothing.
+  std::string fact_behind(const std::string& item) const;
 
   /// `whole` has every item yet, `without` neither this one nor those left out before it.
   ErrorVerdict error_without(const std::string& item, const Session& whole, const Session& without,

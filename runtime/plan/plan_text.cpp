@@ -31,6 +31,42 @@ Json check_json(const PlanCheck& check) {
           {"passed", check.passed()}};
 }
 
+Json lens_json(const SceneFacts& facts) {
+  static const char* const channels[] = {"red", "green", "blue"};
+  Json json{{"kind", sim::to_string(facts.lenses[0].kind)},
+            {"does_nothing", facts.lens_does_nothing},
+            {"channels_equal", facts.channels_equal}};
+  for (const sim::Eye eye : sim::all_eyes)
+    for (std::size_t i = 0; i < 3; ++i)
+      json[eye == sim::Eye::left ? "left" : "right"][channels[i]] =
+          facts.lenses[static_cast<std::size_t>(eye)].rgb[i].k;
+  return json;
+}
+
+Json volume_json(const std::optional<VolumeFacts>& volume) {
+  if (!volume) return nullptr;
+  return {{"occupancy", volume->occupancy},
+          {"visible_values", volume->visible_values},
+          {"visible_from", volume->visible.min},
+          {"visible_to", volume->visible.max},
+          {"kappa_dt_min", volume->kappa_dt_min},
+          {"kappa_dt_max", volume->kappa_dt_max},
+          {"bounding_radius_m", volume->bounding_radius_m}};
+}
+
+Json facts_json(const SceneFacts& facts) {
+  return {{"volume", volume_json(facts.volume)},
+          {"disparity_px", optional_number(facts.disparity_px())},
+          {"volume_distance_m", facts.volume_distance_m},
+          {"head_deg_s", facts.head_deg_s},
+          {"px_per_deg", facts.px_per_deg},
+          {"scan_out",
+           {{"direction", sim::to_string(facts.scan_direction)},
+            {"ms", facts.scan_out_ms},
+            {"px", facts.scan_out_px()}}},
+          {"lens", lens_json(facts)}};
+}
+
 }  // namespace
 
 std::string to_text(const Plan& plan) {
@@ -43,6 +79,9 @@ std::string to_text(const Plan& plan) {
     text += fmt::format("{:<20} {:<{}}  {:<9} {:>9}  {}\n", line.item, line.stage, stage_width,
                         to_string(line.verdict), saving_text(line), line.figure);
   }
+  text += "\n";
+  for (const FactLine& fact : fact_lines(plan.facts))
+    text += fmt::format("{:<20} {}\n", fact.name, fact.figure);
   text += fmt::format("\nframe: {:.3f} ms as given, {:.3f} ms as planned: {:.1f} % less ({})\n",
                       plan.given_ms, plan.planned_ms, 100.0 * plan.saving(), plan.cost);
   if (!plan.leave_out.empty())
@@ -71,6 +110,7 @@ std::string to_json(const Plan& plan, const PlanCheck* check) {
                              {"figure", line.figure},
                              {"saving_ms", optional_number(line.saving_ms)}});
   }
+  json["facts"] = facts_json(plan.facts);
   json["leave_out"] = plan.leave_out;
   json["given_ms"] = plan.given_ms;
   json["planned_ms"] = plan.planned_ms;

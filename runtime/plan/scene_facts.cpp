@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include <glm/geometric.hpp>
 
 #include "runtime/metrics/pacing.hpp"
+#include "runtime/stereo/layer_count.hpp"
 
 namespace brace {
 
@@ -48,6 +50,49 @@ double SceneFacts::off_px(double angular_error_deg, double position_error_mm) co
   return (angular_error_deg + parallax_deg) * px_per_deg;
 }
 
+std::optional<double> SceneFacts::disparity_px() const {
+  if (!volume) return std::nullopt;
+  const StereoOptics optics{eye_distance_m, pixels_per_tangent};
+  return disparity_range_of_sphere_px(optics, volume->bounding_radius_m, volume_distance_m);
+}
+
+VolumeFacts volume_facts(const std::vector<TransferTable>& tables, const std::vector<double>& occupancies,
+                         ValueRange data, double step_voxels) {
+  VolumeFacts facts;
+  facts.kappa_dt_min = std::numeric_limits<double>::infinity();
+  facts.visible = {std::numeric_limits<double>::infinity(), -std::numeric_limits<double>::infinity()};
+  for (const double occupancy : occupancies)
+    facts.occupancy += occupancy / static_cast<double>(occupancies.size());
+  for (const TransferTable& table : tables) {
+    const double unit = (table.range.max - table.range.min) / static_cast<double>(table.entries.size() - 1);
+    double visible = 0.0;
+    const auto kappa = [&](std::size_t i) { return table.entries[i][3]; };
+    for (std::size_t i = 0; i < table.entries.size(); ++i) {
+      const double value = table.range.min + unit * static_cast<double>(i);
+      // Tables are interpolated linearly: between two entries something is visible if it is at either.
+      const double low = std::max(value, data.min), high = std::min(value + unit, data.max);
+      if (i + 1 < table.entries.size() && low < high && kappa(i) + kappa(i + 1) > 0.0) {
+        visible += high - low;
+        facts.visible = {std::min(facts.visible.min, low), std::max(facts.visible.max, high)};
+      }
+      if (!(kappa(i) > 0.0) || value < data.min - unit || value > data.max + unit) continue;
+      facts.kappa_dt_min = std::min(facts.kappa_dt_min, kappa(i) * step_voxels);
+      facts.kappa_dt_max = std::max(facts.kappa_dt_max, kappa(i) * step_voxels);
+    }
+    if (data.max > data.min)
+      facts.visible_values = std::max(facts.visible_values, visible / (data.max - data.min));
+  }
+  if (data.max == data.min && facts.kappa_dt_max > 0.0) {  // one value, and it is visible
+    facts.visible_values = 1.0;
+    facts.visible = data;
+  }
+  if (facts.kappa_dt_max == 0.0) {
+    facts.kappa_dt_min = 0.0;
+    facts.visible = {};
+  }
+  return facts;
+}
+
 SceneFacts scene_facts(const Session& session, const Headset& headset, const HeadTrace& trace) {
   SceneFacts facts;
   facts.px_per_deg = px_per_degree(headset);
@@ -55,6 +100,11 @@ SceneFacts scene_facts(const Session& session, const Headset& headset, const Hea
   const sim::ScanOut& scan_out = headset.profile.scan_out;
   if (scan_out.direction != sim::ScanDirection::global)
     facts.scan_out_ms = scan_out.fraction * 1e3 / headset.profile.refresh.hz();
+  facts.scan_direction = scan_out.direction;
+  for (const sim::Eye eye : sim::all_eyes)
+    facts.lenses[static_cast<std::size_t>(eye)] = headset.profile.eye(eye).lens;
+  facts.eye_distance_m = headset.profile.ipd_m();
+  facts.pixels_per_tangent = headset.eye.width_px / headset.profile.eye(sim::Eye::right).fov.width();
   facts.lens_does_nothing = lens_does_nothing(headset);
   facts.channels_equal = channels_equal(headset);
   const Pose first = trace.trace.at(trace.trace.begin_time() + from_s(session.trace.start_s),

@@ -10,6 +10,8 @@
 #include "runtime/replay/panel_display.hpp"
 #include "runtime/replay/series.hpp"
 #include "runtime/replay/series_work.hpp"
+#include "runtime/skip/choose_skip.hpp"
+#include "runtime/stereo/stereo_geometry.hpp"
 #include "runtime/timeline/gpu_time.hpp"
 
 namespace brace {
@@ -102,6 +104,22 @@ double PlanTrials::largest_dssim(const Pictures& a, const Pictures& b) {
     for (std::size_t eye = 0; eye < 2; ++eye)
       largest = std::max(largest, dssim_from_ssim(ssim(a.panels[i][eye], b.panels[i][eye], a.visible[eye])));
   return largest;
+}
+
+std::optional<VolumeFacts> PlanTrials::look_at_volume(const Session& session) {
+  const gpu::Device* device = device_for(session);
+  if (device == nullptr) return std::nullopt;
+  const Headset headset = make_headset(session, options_.data_folder);
+  const HeadTrace trace = load_head_trace(session.trace, options_.data_folder);
+  const VolumePlacement placement = place_volume(session.scene, trace.trace.poses().front().world_from_head);
+  const auto scene = load_scene(*device, session, options_, headset, placement);
+  const std::vector<TransferTable> tables = scene->versions.typical_tables();
+  std::vector<double> occupancies;
+  for (const TransferTable& table : tables)
+    occupancies.push_back(occupied_blocks(*scene->skip_kernels, {scene->volume, scene->statistics}, table));
+  VolumeFacts facts = volume_facts(tables, occupancies, scene->statistics.range, step_voxels_of(session));
+  facts.bounding_radius_m = bounding_radius_m(scene->volume.info(), placement);
+  return facts;
 }
 
 std::optional<double> PlanTrials::picture_change(const Session& a, const Session& b) {

@@ -8,6 +8,7 @@
 
 #include "base/image.hpp"
 #include "runtime/gpu/device.hpp"
+#include "runtime/plan/scene_facts.hpp"
 #include "runtime/replay/replay.hpp"
 
 namespace brace {
@@ -41,6 +42,9 @@ class PlanTrials {
 
   /// The same between a session and itself with converged steps. Empty also where cast/dvr does not cast.
   std::optional<double> picture_error(const Session& session);
+
+  /// What the transfer function makes of the session's volume. Empty where a session renders nothing.
+  std::optional<VolumeFacts> look_at_volume(const Session& session);
 
  private:
   struct Pictures;

@@ -6,6 +6,7 @@
 
 #include "base/error.hpp"
 #include "base/suggest.hpp"
+#include "runtime/session/mab_level_items.hpp"
 
 namespace brace {
 
@@ -96,8 +97,11 @@ void take_out(SessionTable& table, const StageRegistry& stages, const Without& w
 const std::vector<std::string>& plan_items() {
   static const std::vector<std::string> items = [] {
     std::vector<std::string> names;
-    for (const Without& without : withouts())
+    for (const Without& without : withouts()) {
       names.push_back(without.item);
+      if (without.item == "rays")
+        names.insert(names.end(), mab_level_items().begin(), mab_level_items().end());
+    }
     return names;
   }();
   return items;
@@ -148,6 +152,8 @@ bool has_item(const Session& session, const std::string& item) {
   if (item == "skip") return stage("skip") != "none";
   if (item == "stereo") return stage("stereo") != "two_pass";
   if (item == "rays") return stage("rays") != "full_rate";
+  if (const auto level = mab_level_of(item))
+    return stage("rays") == "mab" && *level < static_cast<int>(session.plan.mab_scales.size());
   if (item == "warp") return stage("warp") != "none";
   return true;
 }

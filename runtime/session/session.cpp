@@ -8,6 +8,7 @@
 
 #include "base/error.hpp"
 #include "base/suggest.hpp"
+#include "runtime/session/mab_level_items.hpp"
 #include "runtime/session/plan_keys.hpp"
 #include "runtime/session/session_paths.hpp"
 #include "runtime/session/session_table.hpp"
@@ -476,6 +477,10 @@ Session parse_session(const std::string& text, const std::string& file_name,
   std::ostringstream resolved;
   resolved << table.table() << "\n";
   session.resolved_toml = resolved.str();
+  // After it was written: read back, it names the levels to leave out beside all that there were.
+  PipelineStage& rays = session.pipeline.at("rays");
+  session.plan.mab_scales = mab_scales(rays);
+  take_out_mab_levels(rays, session.plan.leave_out);
   return session;
 }
 

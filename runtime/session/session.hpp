@@ -121,6 +121,7 @@ struct Session {
     } mode = Mode::idle;
     std::vector<std::string> leave_out, keep;  // by name; the former are taken out of the session already
     std::string shading;                       // scene.shading as asked for: what ideal pictures show
+    std::vector<double> mab_scales;            // of rays/mab's levels as asked for, finest first
     bool keeps_idle(const std::string& item) const;
   } plan;
 

@@ -78,8 +78,8 @@ const std::vector<SessionKey>& session_keys() {
        "of a rolling panel at that line's"},
       {"plan.leave_out", "text", "'idle'", "idle|auto|none|ITEM,…",
        "parts to do without: what does nothing here, what the planner finds is not needed, nothing; items "
-       "are "
-       "shading, preintegration, early_termination, skip, stereo, rays, warp and more (docs/planning.md)"},
+       "are shading, preintegration, early_termination, skip, stereo, rays, mab_level_0 …, warp and more "
+       "(docs/planning.md)"},
       {"plan.keep", "text", "", "", "ITEM,…: parts that the planner must keep"},
       {"run.frames", "integer", "", "1 to 1e12", "display vsyncs; default: to the end of the trace"},
       {"run.seed", "integer", "1", "0 to 2^63-1", "seed of the tracker's noise"},

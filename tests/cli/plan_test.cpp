@@ -82,6 +82,49 @@ TEST_F(CliPlan, ATurningHeadKeepsItsWarpAndEmptySpaceItsMap) {
   EXPECT_EQ(found["skip"], "kept");
 }
 
+TEST_F(CliPlan, LevelsOfTheAtlasGoOneByOne) {
+  // The volume is seen in the middle alone: outer levels have nothing to show there.
+  const std::vector<std::string> small = {"--set", "pipeline.rays=mab",  "--set",       "scene.size_m=0.1",
+                                          "--set", "stage.mab.levels=3", "--leave-out", "shading"};
+  auto found = verdicts(small);
+  EXPECT_EQ(found["mab_level_0"], "kept") << "what is seen";
+  EXPECT_EQ(found["mab_level_2"], "left out");
+  EXPECT_FALSE(found.contains("mab_level_3"));
+  // Nothing to see at all: the picture stands any level's going, but for the last.
+  std::vector<std::string> nothing = small;
+  nothing.insert(nothing.end(), {"--set", "scene.transfer_function=" BRACE_SOURCE_DIR
+                                          "/examples/extreme/all_empty.tf.toml"});
+  found = verdicts(nothing);
+  int left_out = 0;
+  for (const char* level : {"mab_level_0", "mab_level_1", "mab_level_2"})
+    left_out += found[level] == "left out";
+  EXPECT_EQ(found["rays"] == "left out" ? 2 : left_out, 2);
+}
+
+TEST_F(CliPlan, TellsWhatTheSceneIsLike) {
+  std::vector<std::string> quick = {"--json"};  // nothing to try
+  for (const char* item : {"shading", "preintegration", "early_termination", "skip", "warp"}) {
+    quick.push_back("--leave-out");
+    quick.push_back(item);
+  }
+  const auto facts_with = [&](const std::string& volume) {
+    std::vector<std::string> arguments = quick;
+    arguments.insert(arguments.end(), {"--set", "scene.volume=generator:" + volume});
+    const Outcome outcome = plan(arguments);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    return nlohmann::json::parse(outcome.out)["facts"];
+  };
+  const auto slab = facts_with("slab:24");
+  EXPECT_EQ(slab["volume"]["occupancy"], 1.0) << "it is the same everywhere";
+  EXPECT_EQ(slab["volume"]["kappa_dt_max"], slab["volume"]["kappa_dt_min"]);
+  const auto box = facts_with("solid_box:24");
+  EXPECT_LT(box["volume"]["occupancy"], 1.0);
+  EXPECT_GT(box["volume"]["kappa_dt_max"], box["volume"]["kappa_dt_min"]);
+  EXPECT_GT(box["disparity_px"].get<double>(), 0.1);
+  EXPECT_EQ(box["lens"]["kind"], "vive");
+  EXPECT_EQ(box["scan_out"]["direction"], "top_to_bottom");
+}
+
 TEST_F(CliPlan, WhatIsAskedForIsKeptOrLeftOut) {
   auto found = verdicts({"--set", "trace.neck.motion=still", "--keep", "warp", "--leave-out", "shading"});
   EXPECT_EQ(found["warp"], "kept");

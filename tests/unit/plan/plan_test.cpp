@@ -1,5 +1,7 @@
 // What the planner knows without a device; its decisions are tested through the command
 // (tests/cli/plan_test.cpp).
+#include <cmath>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -60,6 +62,68 @@ TEST(SceneFactsTest, AHeadInsideTheVolumeLeavesTheDistanceAboveZero) {
   EXPECT_GT(facts_of(session_before("htc-vive", 0.0), 0.0).volume_distance_m, 0.0);
 }
 
+TransferTable band_table() {
+  TransferTable table;
+  table.range = {0.0, 255.0};
+  for (int i = 0; i < 256; ++i)
+    table.entries.push_back({1.0, 1.0, 1.0, i >= 100 && i <= 120 ? 0.01 * (i - 99) : 0.0});
+  return table;
+}
+
+TEST(VolumeFactsTest, SupportAndStiffnessAreThoseOfTheBandWithinTheData) {
+  const VolumeFacts all = volume_facts({band_table()}, {0.25}, {0.0, 255.0}, 0.5);
+  EXPECT_EQ(all.occupancy, 0.25);
+  EXPECT_EQ(all.visible.min, 99.0) << "interpolation makes it visible beside the first entry";
+  EXPECT_EQ(all.visible.max, 121.0);
+  EXPECT_NEAR(all.visible_values, 22.0 / 255.0, 1e-12);
+  EXPECT_DOUBLE_EQ(all.kappa_dt_min, 0.005);
+  EXPECT_DOUBLE_EQ(all.kappa_dt_max, 0.105);
+  // Data that ends within the band.
+  const VolumeFacts part = volume_facts({band_table()}, {0.5}, {0.0, 109.5}, 1.0);
+  EXPECT_EQ(part.visible.max, 109.5);
+  EXPECT_NEAR(part.visible_values, 10.5 / 109.5, 1e-12);
+  EXPECT_DOUBLE_EQ(part.kappa_dt_max, 0.11) << "the entry that the last value is interpolated to";
+  EXPECT_EQ(volume_facts({band_table()}, {1.0}, {110.0, 110.0}, 1.0).visible_values, 1.0) << "of one value";
+  const VolumeFacts nothing = volume_facts({band_table()}, {0.0}, {130.0, 255.0}, 1.0);
+  EXPECT_EQ(nothing.visible_values, 0.0);
+  EXPECT_EQ(nothing.kappa_dt_min, 0.0);
+  EXPECT_EQ(nothing.kappa_dt_max, 0.0);
+}
+
+TEST(VolumeFactsTest, OfTablesThatFollowEachOtherTheyHoldForAll) {
+  TransferTable later = band_table();
+  later.entries[200][3] = 3.0;
+  const VolumeFacts facts = volume_facts({band_table(), later}, {0.1, 0.3}, {0.0, 255.0}, 1.0);
+  EXPECT_DOUBLE_EQ(facts.occupancy, 0.2);
+  EXPECT_EQ(facts.visible.max, 201.0);
+  EXPECT_EQ(facts.kappa_dt_max, 3.0);
+}
+
+TEST(SceneFactsTest, DisparityIsThatOfTheBoundingSphere) {
+  SceneFacts facts;
+  EXPECT_FALSE(facts.disparity_px()) << "nothing is rendered";
+  // Buchacher's example: 32 px at 0.4465 m for a sphere of 1 m.
+  facts.eye_distance_m = 0.065;
+  facts.pixels_per_tangent = 768.0 / (2.0 * std::tan(55.0 * 3.14159265358979 / 180.0));
+  facts.volume_distance_m = 0.44649;
+  facts.volume = VolumeFacts{.visible = {}, .bounding_radius_m = 1.0};
+  EXPECT_NEAR(*facts.disparity_px(), 32.0, 0.01);
+}
+
+TEST(SceneFactsTest, LinesNameLensAndScanOut) {
+  const auto line_of = [](const SceneFacts& facts, const std::string& name) {
+    for (const FactLine& line : fact_lines(facts))
+      if (line.name == name) return line.figure;
+    return std::string("no such line");
+  };
+  const SceneFacts vive = facts_of(session_before("htc-vive", 0.8), 100.0);
+  EXPECT_THAT(line_of(vive, "lens, right blue"), HasSubstr("vive: -0.2628, 0.04276, -0.08325"));
+  EXPECT_THAT(line_of(vive, "scan-out"), HasSubstr("top_to_bottom"));
+  EXPECT_THAT(line_of(vive, "head"), HasSubstr("100.0 deg/s"));
+  EXPECT_EQ(line_of(vive, "occupancy"), "no such line");
+  EXPECT_THAT(line_of(facts_of(session_before("cardboard-v1", 0.8), 0.0), "lens"), HasSubstr("all channels"));
+}
+
 TEST(GpuTimeTest, IsPerEyeFrameAndDisplayImage) {
   const auto job = [](JobKind kind, std::int64_t cost_ns, bool ends_frame) {
     JobRecord record;
@@ -90,6 +154,12 @@ Plan made_up_plan() {
   plan.given_ms = 2.0;
   plan.planned_ms = 1.0;
   plan.cost = "model:x";
+  plan.facts.volume_distance_m = 1.0;
+  plan.facts.volume = VolumeFacts{.occupancy = 0.5,
+                                  .visible_values = 0.1,
+                                  .visible = {1.0, 2.0},
+                                  .kappa_dt_min = 0.25,
+                                  .kappa_dt_max = 0.5};
   return plan;
 }
 
@@ -98,6 +168,7 @@ TEST(PlanText, NamesEveryLineAndTheWayToRunIt) {
   EXPECT_THAT(text, HasSubstr("skip/octree  left out     +1.000  2 ms with, 1 without"));
   EXPECT_THAT(text, HasSubstr("50.0 % less"));
   EXPECT_THAT(text, HasSubstr("--leave-out skip"));
+  EXPECT_THAT(text, HasSubstr("kappa dt             0.25 … 0.5 where visible"));
   EXPECT_EQ(made_up_plan().reasons().size(), 1u);
 }
 
@@ -113,6 +184,8 @@ TEST(PlanText, AWrongPredictionAndAWorsePictureFail) {
   EXPECT_THAT(to_text(made_up_plan(), check), HasSubstr("WORSE"));
   const auto json = nlohmann::json::parse(to_json(made_up_plan(), &check));
   EXPECT_EQ(json["items"][0]["verdict"], "left out");
+  EXPECT_EQ(json["facts"]["volume"]["kappa_dt_max"], 0.5);
+  EXPECT_EQ(json["facts"]["lens"]["left"]["green"].size(), 5u);
   EXPECT_FALSE(json["check"]["passed"].get<bool>());
 }
 

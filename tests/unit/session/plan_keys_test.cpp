@@ -52,5 +52,43 @@ TEST(PlanKeys, WhatIsWrongIsNamedWithWhatIsAccepted) {
               HasSubstr("one of the two"));
 }
 
+TEST(PlanKeys, LevelsOfTheAtlasAreTakenOutOneByOne) {
+  const auto rays_without = [](const std::string& items) {
+    return parse(smallest, {{"pipeline.rays", "mab"}, {"plan.leave_out", items}}).pipeline.at("rays");
+  };
+  const PipelineStage all = rays_without("idle");
+  ASSERT_EQ(all.value("levels"), 4.0);
+  // The finest: the second begins in the middle, with its own scale.
+  const PipelineStage coarser = rays_without("mab_level_0");
+  EXPECT_EQ(coarser.value("levels"), 3.0);
+  EXPECT_EQ(coarser.value("scale_0"), all.value("scale_1"));
+  EXPECT_EQ(coarser.value("anchor_1"), all.value("anchor_2"));
+  // One between: the next coarser begins where it began.
+  const PipelineStage between = rays_without("mab_level_1");
+  EXPECT_EQ(between.value("scale_1"), all.value("scale_2"));
+  EXPECT_EQ(between.value("anchor_1"), all.value("anchor_1"));
+  EXPECT_EQ(between.value("anchor_2"), all.value("anchor_3"));
+  // The coarsest: the one before it goes on to the edge.
+  const PipelineStage finer = rays_without("mab_level_3,mab_level_7");
+  EXPECT_EQ(finer.value("levels"), 3.0);
+  EXPECT_EQ(finer.value("scale_2"), all.value("scale_2"));
+  EXPECT_EQ(finer.value("anchor_2"), all.value("anchor_2"));
+  const PipelineStage one = rays_without("mab_level_0,mab_level_1,mab_level_3");
+  EXPECT_EQ(one.value("levels"), 1.0);
+  EXPECT_EQ(one.value("scale_0"), all.value("scale_2"));
+}
+
+TEST(PlanKeys, LeftOutLevelsAreNotLeftOutTwice) {
+  const Session session = parse(smallest, {{"pipeline.rays", "mab"}, {"plan.leave_out", "mab_level_0"}});
+  EXPECT_EQ(session.plan.mab_scales.size(), 4u);
+  EXPECT_TRUE(has_item(session, "mab_level_3"));
+  EXPECT_FALSE(has_item(session, "mab_level_4"));
+  EXPECT_EQ(parse(session.resolved_toml).pipeline.at("rays").value("levels"), 3.0);
+  EXPECT_THAT(error_of(smallest, {{"pipeline.rays", "mab"},
+                                  {"plan.leave_out", "mab_level_0,mab_level_1,mab_level_2,mab_level_3"}}),
+              HasSubstr("every level of rays/mab"));
+  EXPECT_FALSE(has_item(parse(smallest), "mab_level_0"));
+}
+
 }  // namespace
 }  // namespace brace

@@ -25,6 +25,20 @@ StageInfo stage_with_parameters() {
   return grid;
 }
 
+/// rays/mab as far as its levels go.
+StageInfo stage_with_levels() {
+  StageInfo mab = stage("rays", "mab");
+  mab.parameters.push_back({"levels", ParameterType::integer, "", "", 1.0, 8.0, 4.0, {}});
+  for (int i = 0; i < 8; ++i) {
+    mab.parameters.push_back(
+        {"scale_" + std::to_string(i), ParameterType::floating, "", "", 0.001, 1.0, 0.9 - 0.1 * i, {}});
+    if (i > 0)
+      mab.parameters.push_back(
+          {"anchor_" + std::to_string(i), ParameterType::floating, "", "", 0.0, 1.0, 0.1 + 0.1 * i, {}});
+  }
+  return mab;
+}
+
 }  // namespace
 
 StageRegistry session_stages() {
@@ -43,6 +57,7 @@ StageRegistry session_stages() {
     stages.add(stage(family, name));
   }
   stages.add(stage_with_parameters());
+  stages.add(stage_with_levels());
   return stages;
 }
 

@@ -14,7 +14,7 @@ file = "walk.csv"
 volume = "head.nrrd"
 )";
 
-/// Every family's default stages, and warp/grid with a parameter of each type.
+/// Every family's default stages, warp/grid with a parameter of each type, and rays/mab's levels.
 StageRegistry session_stages();
 
 /// Parses text as "s.toml" in the folder /sessions.
