@@ -98,7 +98,15 @@ echo "- examples/regression_test as a project of its own"
 cp -r "$source/examples/regression_test" regression
 expect_exit 0 "$cmake" -S regression -B regression/build -DCMAKE_PREFIX_PATH="$prefix"
 expect_exit 0 "$(dirname "$cmake")/ctest" --test-dir regression/build
+expect_exit 0 "$cmake" -S regression/gtest -B regression/gtest/build -DCMAKE_PREFIX_PATH="$prefix" \
+  -DCMAKE_CXX_FLAGS="-Wall -Wextra -Wpedantic -Werror" -DCMAKE_CXX_COMPILER_LAUNCHER=
+expect_exit 0 "$cmake" --build regression/gtest/build
+expect_exit 0 "$(dirname "$cmake")/ctest" --test-dir regression/gtest/build
+has stdout "100% tests passed, 0 tests failed out of 1"
 sed -i 's/cost = "model:gtx-1080"/&\ncost_scale = 40.0/' regression/session.toml
 expect_exit 8 "$(dirname "$cmake")/ctest" --test-dir regression/build
 has stdout "not_worse (Failed)"
+expect_exit 8 "$(dirname "$cmake")/ctest" --test-dir regression/gtest/build --output-on-failure
+has stdout "worse than the baseline:"
+has stdout mtp_rotation_ms
 echo done
