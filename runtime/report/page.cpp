@@ -38,10 +38,14 @@ std::string script_safe(const std::string& json) {
   return safe;
 }
 
-void write_template(const std::filesystem::path& path, const std::filesystem::path& page,
-                    const std::map<std::string, std::string, std::less<>>& parts) {
+namespace {
+
+using Parts = std::map<std::string, std::string, std::less<>>;
+
+/// The text of a template with every {{name}} replaced, handed to `write` in pieces.
+template <typename Write>
+void fill_template(const std::filesystem::path& page, const Parts& parts, const Write& write) {
   const std::string text = read_text_file(page);
-  OutputFile file(path);
   std::string_view rest = text;
   for (std::size_t begin; (begin = rest.find("{{")) != std::string_view::npos;) {
     const std::size_t end = rest.find("}}", begin);
@@ -54,11 +58,27 @@ void write_template(const std::filesystem::path& path, const std::filesystem::pa
         names.push_back(known);
       throw input_error("{}: unknown placeholder '{}'; accepted: {}", page.string(), name, join(names));
     }
-    file.write(rest.substr(0, begin));
-    file.write(part->second);
+    write(rest.substr(0, begin));
+    write(part->second);
     rest.remove_prefix(end + 2);
   }
-  file.write(rest);
+  write(rest);
+}
+
+}  // namespace
+
+std::string page_head(const std::filesystem::path& page_folder, const std::string& title) {
+  std::string head;
+  fill_template(page_folder / "head.html",
+                {{"title", title}, {"style", read_text_file(page_folder / "report.css")}},
+                [&](std::string_view piece) { head += piece; });
+  return head;
+}
+
+void write_template(const std::filesystem::path& path, const std::filesystem::path& page,
+                    const std::map<std::string, std::string, std::less<>>& parts) {
+  OutputFile file(path);
+  fill_template(page, parts, [&](std::string_view piece) { file.write(piece); });
   file.close();
 }
 
@@ -66,7 +86,7 @@ void write_page(const std::filesystem::path& path, const ReportInput& input,
                 const std::filesystem::path& page_folder, const std::filesystem::path& pictures_folder) {
   const auto text = [&](const char* name) { return read_text_file(page_folder / name); };
   write_template(path, page_folder / "report.html",
-                 {{"style", text("report.css")},
+                 {{"head", page_head(page_folder, "Brace run")},
                   {"chart_library", text("chart.min.js")},
                   {"charts", text("charts.js")},
                   {"script", text("report.js")},

@@ -43,7 +43,8 @@ constexpr double period_ms = 1e3 / 90.0;
 /// All repetitions of a point.
 struct PagePoint {
   std::int64_t point = 0;
-  std::string method, knob, status, message;
+  std::size_t method = 0;  // of methods_of
+  std::string knob, status, message;
   std::vector<std::string> settings;      // in the order of the sweep's keys
   std::map<std::string, double> figures;  // NaN where none
 };
@@ -66,27 +67,42 @@ std::string method_of(const SweepFile& sweep, const SweepPoint& point, const std
   return method.empty() ? "all points" : method;
 }
 
+/// What the points' methods are called, in the order in which they first appear; `points` get theirs.
+std::vector<std::string> name_methods(const SweepFile& sweep, const std::string& knob,
+                                      std::vector<PagePoint>& points) {
+  std::vector<std::string> names;
+  std::map<std::string, std::size_t> known;
+  for (PagePoint& point : points) {
+    const std::string name = method_of(sweep, sweep.points[static_cast<std::size_t>(point.point - 1)], knob);
+    const auto [found, is_new] = known.emplace(name, names.size());
+    if (is_new) names.push_back(name);
+    point.method = found->second;
+  }
+  return names;
+}
+
 /// done where one repetition is, else what the last one came to.
 std::vector<PagePoint> gather(const SweepFile& sweep, const std::vector<SweepRow>& rows,
                               const std::string& knob) {
+  std::map<std::int64_t, std::vector<const SweepRow*>> rows_of;
+  for (const SweepRow& row : rows)
+    rows_of[row.run.point].push_back(&row);
   std::vector<PagePoint> points;
   for (std::size_t i = 0; i < sweep.points.size(); ++i) {
     PagePoint point;
     point.point = static_cast<std::int64_t>(i + 1);
-    point.method = method_of(sweep, sweep.points[i], knob);
     if (!knob.empty()) point.knob = to_text(value_at(sweep.points[i], knob));
     for (const std::string& key : sweep.keys)
       point.settings.push_back(to_text(value_at(sweep.points[i], key)));
     std::vector<std::vector<std::optional<double>>> figures(sweep_figure_names().size());
-    for (const SweepRow& row : rows) {
-      if (row.run.point != point.point) continue;
-      if (point.status != "done") point.status = row.status;
-      if (row.status != "done") {
-        point.message = row.message;
+    for (const SweepRow* row : rows_of[point.point]) {
+      if (point.status != "done") point.status = row->status;
+      if (row->status != "done") {
+        point.message = row->message;
         continue;
       }
       for (std::size_t f = 0; f < figures.size(); ++f)
-        figures[f].push_back(row.figures[f]);
+        figures[f].push_back(row->figures[f]);
     }
     for (std::size_t f = 0; f < figures.size(); ++f)
       point.figures[sweep_figure_names()[f]] = median_of_present(figures[f]);
@@ -124,34 +140,26 @@ PageJson number(double value) {
   return std::isfinite(value) ? PageJson(value) : PageJson(nullptr);
 }
 
-std::vector<std::string> methods_of(const std::vector<PagePoint>& points) {
-  std::vector<std::string> methods;
-  for (const PagePoint& point : points) {
-    if (std::find(methods.begin(), methods.end(), point.method) == methods.end())
-      methods.push_back(point.method);
-  }
-  return methods;
-}
-
 WorkErrorPoint place(const PagePoint& point, const Axis& work, const Axis& error) {
   return {point.figures.at(work.figure), point.figures.at(error.figure)};
 }
 
 /// Of one choice of axes: which points are on the front, and what each method needs for the error.
-PageJson pair_json(const std::vector<PagePoint>& points, const Axis& work, const Axis& error) {
+PageJson pair_json(const std::vector<PagePoint>& points, std::size_t methods, const Axis& work,
+                   const Axis& error) {
   std::vector<WorkErrorPoint> places;
-  for (const PagePoint& point : points)
+  std::vector<std::vector<WorkErrorPoint>> of_method(methods);
+  for (const PagePoint& point : points) {
     places.push_back(place(point, work, error));
-  PageJson pair = {{"front", PageJson::array()}, {"reach", PageJson::object()}};
+    of_method[point.method].push_back(places.back());
+  }
+  PageJson pair = {{"front", PageJson::array()}, {"reach", PageJson::array()}};
   const std::vector<bool> front = pareto_front(places);
   for (std::size_t i = 0; i < points.size(); ++i)
     if (front[i]) pair["front"].push_back(i);
-  for (const std::string& method : methods_of(points)) {
-    std::vector<WorkErrorPoint> own;
-    for (const PagePoint& point : points)
-      if (point.method == method) own.push_back(place(point, work, error));
+  for (const std::vector<WorkErrorPoint>& own : of_method) {
     const std::optional<double> reached = work_to_reach(own, sweep_page_error);
-    pair["reach"][method] = reached ? number(*reached) : PageJson(nullptr);
+    pair["reach"].push_back(reached ? number(*reached) : PageJson(nullptr));
   }
   return pair;
 }
@@ -162,23 +170,21 @@ bool holds_90_hz(const PagePoint& point) {
   return point.figures.at("cast_ms_p99") + (std::isnan(warp_ms) ? 0.0 : warp_ms) <= period_ms;
 }
 
-PageJson best_json(const std::vector<PagePoint>& points) {
-  PageJson best = PageJson::object();
-  for (const std::string& method : methods_of(points)) {
-    const PagePoint* found = nullptr;
-    for (const PagePoint& point : points) {
-      if (point.method != method || !holds_90_hz(point) || std::isnan(point.figures.at("dssim_mean")))
-        continue;
-      if (found == nullptr || point.figures.at("dssim_mean") < found->figures.at("dssim_mean"))
-        found = &point;
-    }
-    if (found == nullptr) {
-      best[method] = nullptr;
-    } else {
-      best[method] = {{"error", found->figures.at("dssim_mean")}, {"knob", found->knob}};
-    }
+/// Of each method the point of least error that holds 90 Hz; null where none does.
+PageJson best_json(const std::vector<PagePoint>& points, std::size_t methods) {
+  std::vector<const PagePoint*> found(methods, nullptr);
+  for (const PagePoint& point : points) {
+    if (!holds_90_hz(point) || std::isnan(point.figures.at("dssim_mean"))) continue;
+    const PagePoint*& best = found[point.method];
+    if (best == nullptr || point.figures.at("dssim_mean") < best->figures.at("dssim_mean")) best = &point;
   }
-  return best;
+  PageJson json = PageJson::array();
+  for (const PagePoint* best : found) {
+    json.push_back(best == nullptr
+                       ? PageJson(nullptr)
+                       : PageJson{{"error", best->figures.at("dssim_mean")}, {"knob", best->knob}});
+  }
+  return json;
 }
 
 PageJson axis_json(const Axis& axis) {
@@ -189,13 +195,14 @@ PageJson page_json(const SweepFile& sweep, const std::vector<SweepRow>& rows, co
   const std::string knob = knob_of(sweep);
   std::vector<PagePoint> points = gather(sweep, rows, knob);
   derive_second_eye(sweep, points);
+  const std::vector<std::string> methods = name_methods(sweep, knob, points);
   PageJson json = {{"version", version},
                    {"sweep", sweep.file.filename().string()},
                    {"session", sweep.session.filename().string()},
                    {"repeat", sweep.repeat},
                    {"knob", knob},
                    {"keys", sweep.keys},
-                   {"methods", methods_of(points)},
+                   {"methods", methods},
                    {"reach_error", sweep_page_error}};
   for (const Axis& work : works)
     json["works"].push_back(axis_json(work));
@@ -221,10 +228,11 @@ PageJson page_json(const SweepFile& sweep, const std::vector<SweepRow>& rows, co
                               {"holds_90_hz", holds_90_hz(point)},
                               {"figures", std::move(figures)}});
   }
-  json["best_at_90_hz"] = best_json(points);
+  json["best_at_90_hz"] = best_json(points, methods.size());
   for (const Axis& work : works)
     for (const Axis& error : errors)
-      json["pairs"][std::string(work.figure) + "|" + error.figure] = pair_json(points, work, error);
+      json["pairs"][std::string(work.figure) + "|" + error.figure] =
+          pair_json(points, methods.size(), work, error);
   return json;
 }
 
@@ -250,7 +258,7 @@ void write_sweep_page(const std::filesystem::path& file, const SweepFile& sweep,
                       const std::filesystem::path& page_folder) {
   const auto text = [&](const char* name) { return read_text_file(page_folder / name); };
   write_template(file, page_folder / "sweep.html",
-                 {{"style", text("report.css")},
+                 {{"head", page_head(page_folder, "Brace sweep")},
                   {"chart_library", text("chart.min.js")},
                   {"charts", text("charts.js")},
                   {"script", text("sweep.js")},

@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "runtime/report/output_file.hpp"
+#include "runtime/report/page.hpp"
 #include "runtime/report/text_file.hpp"
 #include "runtime/verify/svg_plot.hpp"
 
@@ -120,19 +121,9 @@ std::string to_json(const VerifyReport& report) {
 void write_verify_page(const std::filesystem::path& path, const VerifyReport& report,
                        const std::filesystem::path& page_folder) {
   OutputFile file(path);
-  file.write(
-      "<!DOCTYPE html>\n<html lang=\"en\"><head><meta charset=\"utf-8\">"
-      "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">"
-      "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; img-src data:; style-src "
-      "'unsafe-inline'; script-src 'unsafe-inline'\"><meta name=\"color-scheme\" content=\"light dark\">"
-      "<title>Brace verification</title><link rel=\"icon\" href=\"data:,\"><style>\n");
-  file.write(read_text_file(page_folder / "report.css"));
-  file.write(kStyle);
-  file.write(fmt::format(
-      "</style></head><body><header><div><h1>Numerical verification</h1><p class='quiet'>Brace {} on "
-      "{}</p></div><button id='theme' type='button' aria-label='Switch between light and "
-      "dark'>Dark</button></header><main>",
-      html_text(report.version), html_text(report.device)));
+  file.write(page_head(page_folder, "Numerical verification"));
+  file.write(fmt::format("<style>{}</style><main><p class='quiet'>Brace {} on {}</p>", kStyle,
+                         html_text(report.version), html_text(report.device)));
   const std::size_t failed = report.failed();
   file.write("<section class='tiles' aria-label='Headline figures'>");
   file.write(tile("Claims", std::to_string(report.claims.size()), "each with a figure and a bound"));

@@ -54,5 +54,8 @@ wait
 check sweep.html 2 1200 &
 check sweep.html 2 400 --force-dark-mode
 wait
+check many_methods.html 2 1200 --force-dark-mode &
+check many_methods.html 2 400
+wait
 
 [ ! -e "$work/failed" ]

@@ -94,6 +94,33 @@ void write_sweep(const std::filesystem::path& page_folder, const std::filesystem
   write_sweep_page(out / "sweep.html", sweep, rows, "made up", page_folder);
 }
 
+/// A thousand methods: what a sweep over every subset of a pipeline comes to.
+void write_many_methods(const std::filesystem::path& page_folder, const std::filesystem::path& out) {
+  std::string text = "session = 'demo.toml'\n[grid]\nplan.leave_out = [";
+  for (int subset = 0; subset < 34; ++subset)
+    text += "'idle,shading,preintegration,subset-" + std::to_string(subset) + "', ";
+  text += "]\nscene.size_m = [";
+  for (int scene = 1; scene <= 30; ++scene)
+    text += std::to_string(0.1 * scene) + ", ";
+  text += "]\npipeline.warp = ['none', 'quad']\nstage.dvr.step_voxels = [0.5, 1.0]\n";
+  const SweepFile sweep = parse_sweep(text, "many_methods.toml");
+  std::vector<SweepRow> rows;
+  for (std::size_t i = 0; i < sweep.points.size(); ++i) {
+    SweepRow row{{static_cast<std::int64_t>(i + 1), 1, 1}, "done", "", {}};
+    const double step = i % 2 == 0 ? 0.5 : 1.0, wave = std::sin(0.7 * static_cast<double>(i / 2));
+    const double cost = (6.0 + 5.0 * wave) / step,
+                 spread = 1.0 + 0.9 * std::cos(1.3 * static_cast<double>(i / 2));
+    for (const std::string& name : sweep_figure_names()) {
+      std::optional<double> figure = cost;
+      if (name.rfind("dssim", 0) == 0) figure = 0.03 * step * step * spread / (6.5 + 6.0 * wave);
+      if (name == "samples") figure = 1e5 * cost;
+      row.figures.push_back(figure);
+    }
+    rows.push_back(row);
+  }
+  write_sweep_page(out / "many_methods.html", sweep, rows, "made up", page_folder);
+}
+
 }  // namespace
 }  // namespace brace
 
@@ -109,6 +136,7 @@ int main(int argc, char** argv) {
     brace::write_long(argv[1], argv[2]);
     brace::write_empty(argv[1], argv[2]);
     brace::write_sweep(argv[1], argv[2]);
+    brace::write_many_methods(argv[1], argv[2]);
   } catch (const brace::Error& e) {
     std::fprintf(stderr, "%s\n", e.what());
     return static_cast<int>(e.exit_code());

@@ -48,10 +48,11 @@ function showLegend(id, chart) {
   const box = document.getElementById(id).parentElement;
   if (box.nextElementSibling && box.nextElementSibling.matches('.legend')) box.nextElementSibling.remove();
   const datasets = chart.data.datasets;
-  if (datasets.length < 2) return;
+  if (datasets.filter((dataset) => !dataset.unlisted).length < 2) return;
   const list = document.createElement('ul');
   list.className = 'legend';
   datasets.forEach((dataset, i) => {
+    if (dataset.unlisted) return;
     const key = document.createElement('button');
     const swatch = document.createElement('i');
     key.type = 'button';
@@ -62,7 +63,7 @@ function showLegend(id, chart) {
       swatch.style.background = dataset.backgroundColor;
     }
     key.setAttribute('aria-pressed', 'true');
-    key.append(swatch, dataset.label);
+    key.append(swatch, ...(dataset.marker ? [markOf(dataset)] : []), dataset.label);
     key.addEventListener('click', () => {
       const visible = !chart.isDatasetVisible(i);
       chart.setDatasetVisibility(i, visible);
@@ -74,6 +75,14 @@ function showLegend(id, chart) {
     list.append(item);
   });
   box.after(list);
+}
+
+// The shape of a dataset's points, where they have one of their own.
+function markOf(dataset) {
+  const mark = document.createElement('b');
+  mark.textContent = dataset.marker;
+  mark.style.color = dataset.borderColor;
+  return mark;
 }
 
 // A line: {label, points: [[x, y], …], colour, dashed}.
