@@ -478,9 +478,8 @@ Session parse_session(const std::string& text, const std::string& file_name,
   resolved << table.table() << "\n";
   session.resolved_toml = resolved.str();
   // After it was written: read back, it names the levels to leave out beside all that there were.
-  PipelineStage& rays = session.pipeline.at("rays");
-  session.plan.mab_scales = mab_scales(rays);
-  take_out_mab_levels(rays, session.plan.leave_out);
+  session.plan.mab_scales = mab_scales(session.pipeline.at("rays"));
+  take_out_mab_levels(session.pipeline.at("rays"), session.plan.leave_out);
   return session;
 }
 
