@@ -8,10 +8,13 @@
 
 #include <fmt/core.h>
 
+#include "base/error.hpp"
+#include "base/suggest.hpp"
 #include "bench/eye_rig.hpp"
 #include "bench/median.hpp"
 #include "runtime/metrics/image_error.hpp"
 #include "runtime/replay/eye_renderer.hpp"
+#include "runtime/replay/gaze_source.hpp"
 #include "runtime/replay/panel_display.hpp"
 #include "runtime/replay/replay.hpp"
 
@@ -37,52 +40,20 @@ Session session_of(const MabBenchOptions& options, const Scene& scene, const std
   const std::string text = fmt::format(
       "device.profile = '{}'\ndevice.resolution_scale = {}\ntrace.neck = {{ motion = 'still' }}\n"
       "pipeline.rays = '{}'\npipeline.skip = 'distance_map'\n"
-      "[scene]\nvolume = '{}'\ntransfer_function = 'ct-soft-tissue'\nsize_m = 1.0\nposition = 'front:0.6'\n"
+      "[scene]\nvolume = '{}'\ntransfer_function = 'ct-bone'\nsize_m = 1.0\nposition = 'front:0.45'\n"
       "[stage.mab]\nmap = '{}'\nscheme = '{}'\n{}",
       scene.profile, scene.resolution_scale, rays, scene.volume, map, scheme, levels_text);
   return parse_session(text, "bench", ".", {}, options.stages);
 }
 
-/// The panel's pixels by the square of the share of rays that the eye resolves there.
-std::vector<double> acuity_weights(const Headset& headset, sim::Eye which) {
-  const sim::EyeProfile& eye = headset.profile.eye(which);
-  const double usable = sim::usable_radius(eye.lens, sim::Channel::green);
-  const LevelMapInput input{.lens = eye.lens,
-                            .fov = eye.fov,
-                            .width_px = headset.profile.panel_width_px,
-                            .height_px = headset.profile.panel_height_px,
-                            .panel_width_px = headset.profile.panel_width_px,
-                            .panel_height_px = headset.profile.panel_height_px};
-  std::vector<double> weights;
-  for (int y = 0; y < headset.panel.height_px; ++y)
-    for (int x = 0; x < headset.panel.width_px; ++x) {
-      const glm::dvec2 uv((x + 0.5) / headset.panel.width_px, (y + 0.5) / headset.panel.height_px);
-      const auto t = sim::panel_to_tangents(eye.lens, sim::Channel::green, usable, uv);
-      weights.push_back(t ? std::pow(std::min(acuity_demand(input, *t), 1.0), 2.0) : 0.0);
-    }
-  return weights;
-}
-
-double weighted_rmse(const ImageRgba8& a, const ImageRgba8& b, const std::vector<double>& weights) {
-  double sum = 0.0, weight = 0.0;
-  for (int y = 0; y < a.height_px; ++y)
-    for (int x = 0; x < a.width_px; ++x) {
-      const double w = weights[static_cast<std::size_t>(y * a.width_px + x)];
-      const auto &p = a.at(x, y), &q = b.at(x, y);
-      const double squares = std::pow(p.r - q.r, 2) + std::pow(p.g - q.g, 2) + std::pow(p.b - q.b, 2);
-      sum += w * squares / (3.0 * 255.0 * 255.0);
-      weight += w;
-    }
-  return std::sqrt(sum / weight);
-}
-
 MabErrorRow compare(const PanelPair& shown, const PanelPair& ideal, const Headset& headset) {
   MabErrorRow row;
+  GazeWeights weights(headset);
   for (const sim::Eye eye : sim::all_eyes) {
     const auto i = static_cast<std::size_t>(eye);
     const std::vector<std::uint8_t> visible = visible_pixels(headset, eye);
     row.dssim += 0.5 * dssim_from_ssim(ssim(shown[i], ideal[i], visible));
-    row.weighted_rmse += 0.5 * weighted_rmse(shown[i], ideal[i], acuity_weights(headset, eye));
+    row.weighted_rmse += 0.5 * weighted_rmse(shown[i], ideal[i], weights.of(eye, sim::straight_ahead));
   }
   return row;
 }
@@ -115,35 +86,50 @@ void measure_errors(const gpu::Device& device, const MabBenchOptions& options, c
   }
 }
 
-/// DSSIM of one curve at a share of the rays; NaN beyond its ends. The curve falls in its share.
-double dssim_at(const std::vector<const MabErrorRow*>& curve, double share) {
+using Curve = std::vector<const MabErrorRow*>;
+
+/// An error of one curve at a share of the rays; NaN beyond its ends. The curve falls in its share.
+double error_at(const Curve& curve, double MabErrorRow::*error, double share) {
   for (std::size_t i = 1; i < curve.size(); ++i) {
     const MabErrorRow &more = *curve[i - 1], &fewer = *curve[i];
     if (share > more.ray_share || share < fewer.ray_share) continue;
     const double t = (share - fewer.ray_share) / std::max(more.ray_share - fewer.ray_share, 1e-12);
-    return fewer.dssim + t * (more.dssim - fewer.dssim);
+    return fewer.*error + t * (more.*error - fewer.*error);
   }
   return std::nan("");
 }
 
-MabMapRow compare_maps(const std::vector<MabErrorRow>& errors, const Scene& scene) {
-  std::vector<const MabErrorRow*> lens, radius;
-  for (const MabErrorRow& row : errors) {
-    if (row.profile != scene.profile || row.volume != scene.volume) continue;
-    if (row.map == "lens") lens.push_back(&row);
-    if (row.map == "radius") radius.push_back(&row);
-  }
-  MabMapRow result{scene.profile, scene.volume, 0, 0};
+struct Ratio {
+  double mean = std::nan(""), worst = 0.0;
+};
+
+/// Of the errors of two curves at equal rays.
+Ratio ratio_of(const Curve& one, const Curve& other, double MabErrorRow::*error) {
+  Ratio ratio;
+  double sum = 0.0;
   int count = 0;
   for (double share = 0.15; share <= 0.9; share += 0.05) {
-    const double by_lens = dssim_at(lens, share), by_radius = dssim_at(radius, share);
-    if (!std::isfinite(by_lens) || !(by_radius > 0.0)) continue;
-    result.ratio_mean += by_lens / by_radius;
-    result.ratio_worst = std::max(result.ratio_worst, by_lens / by_radius);
+    const double of_one = error_at(one, error, share), of_other = error_at(other, error, share);
+    if (!std::isfinite(of_one) || !(of_other > 0.0)) continue;
+    sum += of_one / of_other;
+    ratio.worst = std::max(ratio.worst, of_one / of_other);
     ++count;
   }
-  result.ratio_mean = count > 0 ? result.ratio_mean / count : std::nan("");
-  return result;
+  if (count > 0) ratio.mean = sum / count;
+  return ratio;
+}
+
+MabMapRow compare_maps(const std::vector<MabErrorRow>& errors, const Scene& scene) {
+  const auto curve_of = [&](const char* map) {
+    Curve curve;
+    for (const MabErrorRow& row : errors)
+      if (row.profile == scene.profile && row.volume == scene.volume && row.map == map) curve.push_back(&row);
+    return curve;
+  };
+  const Curve radius = curve_of("radius");
+  const Ratio dssim = ratio_of(curve_of("lens"), radius, &MabErrorRow::dssim);
+  const Ratio weighted = ratio_of(curve_of("lens_eccentricity"), radius, &MabErrorRow::weighted_rmse);
+  return {scene.profile, scene.volume, dssim.mean, dssim.worst, weighted.mean, weighted.worst};
 }
 
 void measure_times(const gpu::Device& device, const MabBenchOptions& options, const Scene& scene,
@@ -185,23 +171,34 @@ MabAtlasRow pack(const MabBenchOptions& options, const std::string& profile) {
 }  // namespace
 
 MabBenchResult bench_mab(const MabBenchOptions& options) {
+  const MabBenchOptions all;
+  for (const std::string& part : options.parts) {
+    if (std::find(all.parts.begin(), all.parts.end(), part) == all.parts.end())
+      throw input_error("bench mab: --part {}; accepted: {}", part, join(all.parts));
+  }
   MabBenchResult result;
   getloadavg(&result.host_load, 1);
   const gpu::Device device(options.device);
   result.device = device.info().name;
   result.repetitions = options.repetitions;
-  for (const std::string& profile : options.profiles)
-    result.atlases.push_back(pack(options, profile));
-  for (const std::string& profile : options.profiles)
-    for (const std::string& volume : options.volumes) {
-      const Scene scene{profile, volume, options.resolution_scale};
-      measure_errors(device, options, scene, result.errors);
-      result.maps.push_back(compare_maps(result.errors, scene));
-    }
-  measure_times(device, options,
-                {options.profiles.front(), options.volumes.front(), 2 * options.resolution_scale},
-                result.times);
-  result.controls = mab_control_rows(options.stages);
+  const auto wants = [&](const char* part) {
+    return std::find(options.parts.begin(), options.parts.end(), part) != options.parts.end();
+  };
+  if (wants("atlases"))
+    for (const std::string& profile : options.profiles)
+      result.atlases.push_back(pack(options, profile));
+  if (wants("errors"))
+    for (const std::string& profile : options.profiles)
+      for (const std::string& volume : options.volumes) {
+        const Scene scene{profile, volume, options.resolution_scale};
+        measure_errors(device, options, scene, result.errors);
+        result.maps.push_back(compare_maps(result.errors, scene));
+      }
+  if (wants("times"))
+    measure_times(device, options,
+                  {options.profiles.front(), options.volumes.front(), 2 * options.resolution_scale},
+                  result.times);
+  if (wants("controls")) result.controls = mab_control_rows(options.stages);
   return result;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <string>
 
 #include "hmd_sim/trace_generators.hpp"
@@ -28,9 +29,32 @@ inline FrameLoopConfig global_90_hz(std::int64_t vsyncs) {
   return config;
 }
 
+/// How long the panel shows one eye frame, whatever warps make of it.
+class EyeFrameSink final : public RecordSink {
+ public:
+  void add(const FrameRecord& record) override {
+    pacing.add(record);
+    if (record.displayed_frame < 0) return;
+    ++vsyncs;
+    repeated = record.displayed_frame == shown ? repeated + 1 : 0;
+    shown = record.displayed_frame;
+    repeats += repeated > 0;
+    longest = std::max(longest, repeated);
+  }
+  void add(const JobRecord& record) override { pacing.add(record); }
+
+  PacingSink pacing;
+  std::int64_t vsyncs = 0, repeats = 0, longest = 0;  // repeats: vsyncs that show the eye frame before again
+
+ private:
+  std::int64_t shown = -1, repeated = 0;
+};
+
 struct PacingRun {
   FrameLoopResult loop;
   PacingFigures figures;
+  double repeated_ratio = 0.0;       // vsyncs that show the same eye frame as the one before
+  std::int64_t longest_repeats = 0;  // of them one after the other
 };
 
 /// A natural head motion, again and again, under built-in stages on simulated time.
@@ -41,7 +65,7 @@ inline PacingRun run_pacing(const StageRegistry& stages, const FrameLoopConfig& 
   const sim::PoseTrace trace = sim::generate_trace({.motion = sim::Motion::natural, .seconds = 10});
   HeadMotion head(trace, sim::Interpolation::slerp_linear, {.rate = {1000, 1}, .latency = SimDuration(0)}, 1,
                   true, trace.begin_time());
-  PacingSink sink;
+  EyeFrameSink sink;
   PacingRun run;
   run.loop = run_frame_loop(
       config, {.head = head,
@@ -50,7 +74,10 @@ inline PacingRun run_pacing(const StageRegistry& stages, const FrameLoopConfig& 
                .cost = cost,
                .work = work,
                .sink = sink});
-  run.figures = sink.figures();
+  run.figures = sink.pacing.figures();
+  run.repeated_ratio =
+      static_cast<double>(sink.repeats) / static_cast<double>(std::max<std::int64_t>(sink.vsyncs, 1));
+  run.longest_repeats = sink.longest;
   return run;
 }
 

@@ -38,6 +38,10 @@ void check_neighbours(const std::string& name, std::size_t index, const TimedPos
   }
 }
 
+bool is_lost(const glm::dvec3& gaze) {
+  return std::isnan(gaze.x + gaze.y + gaze.z);
+}
+
 bool is_gap(const TimedPose& a, const TimedPose& b) {
   return b.time - a.time > trace_gap;
 }
@@ -118,8 +122,8 @@ Vector hermite(double s, double h, Vector from, Vector from_rate, Vector to, Vec
 
 }  // namespace
 
-PoseTrace::PoseTrace(std::string name, std::vector<TimedPose> poses)
-    : name_(std::move(name)), poses_(std::move(poses)) {
+PoseTrace::PoseTrace(std::string name, std::vector<TimedPose> poses, std::vector<glm::dvec3> gaze)
+    : name_(std::move(name)), poses_(std::move(poses)), gaze_(std::move(gaze)) {
   if (poses_.size() < 2) {
     throw input_error("trace '{}': has {} pose{}; at least two are needed", name_, poses_.size(),
                       poses_.size() == 1 ? "" : "s");
@@ -131,6 +135,41 @@ PoseTrace::PoseTrace(std::string name, std::vector<TimedPose> poses)
   rates_.reserve(poses_.size());
   for (std::size_t i = 0; i < poses_.size(); ++i)
     rates_.push_back(rates_at(poses_, i));
+  hold_gaze();
+}
+
+void PoseTrace::hold_gaze() {
+  if (gaze_.empty()) return;
+  if (gaze_.size() != poses_.size()) {
+    throw input_error("trace '{}': has {} gaze readings for {} poses; one for each is wanted", name_,
+                      gaze_.size(), poses_.size());
+  }
+  glm::dvec3 last = straight_ahead;
+  for (std::size_t i = 0; i < gaze_.size(); ++i) {
+    if (!is_lost(gaze_[i])) {
+      if (!(std::abs(glm::length(gaze_[i]) - 1.0) <= 1e-6) || !(gaze_[i].z < 0.0)) {
+        throw input_error("trace '{}': the gaze of pose {} is no unit vector that looks ahead (z < 0)", name_,
+                          i);
+      }
+      last = gaze_[i];
+    }
+    held_gaze_.push_back(last);
+  }
+}
+
+glm::dvec3 PoseTrace::gaze_at(SimTime time, std::size_t& hint) const {
+  if (!has_gaze()) return straight_ahead;
+  if (time <= begin_time()) return held_gaze_.front();
+  if (time >= end_time()) return held_gaze_.back();
+  const std::size_t i = hint = find_segment(poses_, time, hint);
+  const TimedPose &a = poses_[i], &b = poses_[i + 1];
+  if (is_lost(gaze_[i]) || is_lost(gaze_[i + 1]) || is_gap(a, b)) return held_gaze_[i];
+  const double s = static_cast<double>(to_ns(time - a.time)) / static_cast<double>(to_ns(b.time - a.time));
+  const glm::dvec3 axis = glm::cross(gaze_[i], gaze_[i + 1]);
+  const double sine = glm::length(axis);
+  if (sine == 0.0) return gaze_[i];  // no turn: opposite gazes cannot be, both look ahead
+  const double angle_rad = std::atan2(sine, glm::dot(gaze_[i], gaze_[i + 1]));
+  return glm::normalize(quat_exp(axis * (s * angle_rad / sine)) * gaze_[i]);
 }
 
 // Hermite in the log chart at the segment's first pose; the end's body rate is mapped into that chart.

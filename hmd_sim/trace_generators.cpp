@@ -16,8 +16,8 @@ namespace {
 constexpr double pi = std::numbers::pi;
 constexpr double rad_per_deg = pi / 180.0;
 
-constexpr std::array<Motion, 5> all_motions{Motion::rotation, Motion::translation, Motion::natural,
-                                            Motion::stationary, Motion::spin};
+constexpr std::array<Motion, 6> all_motions{Motion::rotation,   Motion::translation, Motion::natural,
+                                            Motion::stationary, Motion::spin,        Motion::inspect};
 
 glm::dquat about_y(double angle_rad) {
   return quat_exp({0.0, angle_rad, 0.0});
@@ -39,6 +39,27 @@ Pose rotation_pose(double degrees, double duration_s, double time_s, const glm::
 Pose translation_pose(double metres, double duration_s, double time_s, const glm::dvec3& eyes_at_rest_m) {
   return {glm::dquat(1, 0, 0, 0),
           eyes_at_rest_m + glm::dvec3(metres * cosine_ease(time_s, duration_s), 0.0, 0.0)};
+}
+
+namespace {
+
+/// 0, 1, 0, -1, 0 at quarters of `duration_s`, eased between; 0 outside.
+double to_and_fro(double time_s, double duration_s) {
+  const double quarter_s = 0.25 * duration_s;
+  return cosine_ease(time_s, quarter_s) - 2.0 * cosine_ease(time_s - quarter_s, 2.0 * quarter_s) +
+         cosine_ease(time_s - 3.0 * quarter_s, quarter_s);
+}
+
+}  // namespace
+
+Pose inspect_pose(double degrees, double metres, double duration_s, double time_s,
+                  const glm::dvec3& eyes_at_rest_m) {
+  const double part_s = duration_s / 3.0;
+  const double turn = to_and_fro(time_s, part_s), aside = to_and_fro(time_s - part_s, part_s);
+  const double near_s = time_s - 2.0 * part_s;
+  const double ahead = cosine_ease(near_s, 0.5 * part_s) - cosine_ease(near_s - 0.5 * part_s, 0.5 * part_s);
+  return pose_about_neck(eyes_at_rest_m + metres * glm::dvec3(aside, 0.0, -ahead),
+                         about_y(degrees * rad_per_deg * turn));
 }
 
 NaturalMotion::NaturalMotion(std::uint64_t seed, const glm::dvec3& eyes_at_rest_m)
@@ -102,6 +123,8 @@ std::string to_string(Motion motion) {
       return "stationary";
     case Motion::spin:
       return "spin";
+    case Motion::inspect:
+      return "inspect";
   }
   return "unknown";
 }
@@ -118,6 +141,8 @@ Pose motion_pose(const MotionSpec& spec, double time_s) {
       break;
     case Motion::spin:
       return pose_about_neck(spec.eyes_at_rest_m, about_y(spec.degrees_per_s * rad_per_deg * time_s));
+    case Motion::inspect:
+      return inspect_pose(spec.degrees, spec.metres, spec.seconds, time_s, spec.eyes_at_rest_m);
   }
   return {glm::dquat(1, 0, 0, 0), spec.eyes_at_rest_m};
 }
@@ -127,6 +152,7 @@ namespace {
 double fastest_turn_deg_s(const MotionSpec& spec) {
   if (spec.motion == Motion::spin) return std::abs(spec.degrees_per_s);
   if (spec.motion == Motion::rotation) return std::abs(spec.degrees) * 0.5 * pi / spec.seconds;
+  if (spec.motion == Motion::inspect) return std::abs(spec.degrees) * 6.0 * pi / spec.seconds;
   return 0.0;
 }
 
@@ -172,7 +198,10 @@ PoseTrace generate_trace(const MotionSpec& spec) {
     poses.push_back({clock.time_of(i), pose_at(clock.time_of(i))});
   }
   if (poses.back().time < end) poses.push_back({end, pose_at(end)});
-  return PoseTrace(to_string(spec.motion), std::move(poses));
+  std::vector<SimTime> times;
+  for (const TimedPose& pose : poses)
+    times.push_back(pose.time);
+  return PoseTrace(to_string(spec.motion), std::move(poses), generate_gaze(spec.gaze, times));
 }
 
 }  // namespace brace::sim

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <string>
 
+#include "hmd_sim/gaze.hpp"
 #include "hmd_sim/neck_model.hpp"
 #include "hmd_sim/pose_trace.hpp"
 #include "hmd_sim/vsync.hpp"
@@ -43,18 +44,26 @@ class NaturalMotion {
   glm::dvec3 eyes_at_rest_m_;
 };
 
-enum class Motion { rotation, translation, natural, stationary, spin };
+/// Someone looks at a thing from all sides: in equal parts of `duration_s` the head turns by `degrees` to the
+/// left and to the right, the neck moves by `metres` to the right and to the left, and forwards and back,
+/// each cosine-eased. To stand at half the distance is to see the thing at twice the size: the third part is
+/// the scaling of Waschk and Krueger's recorded interactions.
+Pose inspect_pose(double degrees, double metres, double duration_s, double time_s,
+                  const glm::dvec3& eyes_at_rest_m = standing_eyes_m);
+
+enum class Motion { rotation, translation, natural, stationary, spin, inspect };
 
 /// `[trace] neck = { motion = "rotation", degrees = 60, seconds = 1 }` and `brace trace generate`.
 struct MotionSpec {
   Motion motion = Motion::rotation;
-  double degrees = 60;          // rotation
-  double metres = 0.3;          // translation
+  double degrees = 60;          // rotation, inspect
+  double metres = 0.3;          // translation, inspect
   double degrees_per_s = 1000;  // spin about the vertical axis through the neck
   double seconds = 1;           // length of the trace
   std::uint64_t seed = 1;       // natural
   Rate rate{1000, 1};           // samples of the trace; at least 20 Hz, or every interval would be a gap
   glm::dvec3 eyes_at_rest_m = standing_eyes_m;
+  GazeSpec gaze{};
 };
 
 /// "rotation" … → Motion; throws input_error listing the names.

@@ -11,6 +11,38 @@
 
 namespace brace::sim {
 
+namespace {
+
+double angle_deg(const glm::dvec3& a, const glm::dvec3& b) {
+  return std::atan2(glm::length(glm::cross(a, b)), glm::dot(a, b)) * (180.0 / std::numbers::pi);
+}
+
+void add_gaze_info(const PoseTrace& trace, TraceInfo& info) {
+  const std::vector<glm::dvec3>& gaze = trace.gaze();
+  const auto lost = [&](std::size_t i) { return std::isnan(gaze[i].x); };
+  std::vector<double> speed_deg_s, off_deg;
+  for (std::size_t i = 0; i < gaze.size(); ++i) {
+    if (lost(i)) {
+      ++info.gaze_lost;
+      if (i == 0 || !lost(i - 1)) ++info.blinks;
+      continue;
+    }
+    off_deg.push_back(angle_deg(straight_ahead, gaze[i]));
+    if (i == 0 || lost(i - 1)) continue;
+    const SimDuration interval = trace.poses()[i].time - trace.poses()[i - 1].time;
+    if (interval <= trace_gap) speed_deg_s.push_back(angle_deg(gaze[i - 1], gaze[i]) / to_s(interval));
+  }
+  info.has_gaze = true;
+  const Spread speed = spread_of(std::move(speed_deg_s)), off = spread_of(std::move(off_deg));
+  info.gaze_speed_deg_s_mean = speed.mean;
+  info.gaze_speed_deg_s_p95 = speed.p95;
+  info.gaze_speed_deg_s_max = speed.max;
+  info.gaze_off_deg_mean = off.mean;
+  info.gaze_off_deg_max = off.max;
+}
+
+}  // namespace
+
 TraceInfo trace_info(const PoseTrace& trace) {
   const std::vector<TimedPose>& poses = trace.poses();
   TraceInfo info;
@@ -49,6 +81,7 @@ TraceInfo trace_info(const PoseTrace& trace) {
   info.linear_speed_m_s_p95 = linear.p95;
   info.linear_speed_m_s_p99 = linear.p99;
   info.linear_speed_m_s_max = linear.max;
+  if (trace.has_gaze()) add_gaze_info(trace, info);
   return info;
 }
 
@@ -57,7 +90,7 @@ PoseTrace shifted_to(const PoseTrace& trace, SimTime begin) {
   const SimDuration shift = begin - trace.begin_time();
   for (TimedPose& pose : poses)
     pose.time += shift;
-  return PoseTrace(trace.name(), std::move(poses));
+  return PoseTrace(trace.name(), std::move(poses), trace.gaze());
 }
 
 }  // namespace brace::sim

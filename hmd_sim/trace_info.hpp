@@ -19,6 +19,12 @@ struct TraceInfo {
   double linear_speed_m_s_mean = 0, linear_speed_m_s_p95 = 0, linear_speed_m_s_p99 = 0,
          linear_speed_m_s_max = 0;
   glm::dvec3 position_min_m{0.0}, position_max_m{0.0};
+
+  /// Of the gaze; zeros without. Speeds between readings that are not lost.
+  bool has_gaze = false;
+  std::size_t gaze_lost = 0, blinks = 0;  // readings; runs of them
+  double gaze_speed_deg_s_mean = 0, gaze_speed_deg_s_p95 = 0, gaze_speed_deg_s_max = 0;
+  double gaze_off_deg_mean = 0, gaze_off_deg_max = 0;  // from straight ahead
 };
 
 TraceInfo trace_info(const PoseTrace& trace);

@@ -11,6 +11,9 @@
 namespace brace::sim {
 
 enum class TraceFormat {
+  // The first three take gaze, too: brace and tum as three more numbers per line (gaze_x gaze_y gaze_z, unit
+  // vector in the head frame), euroc as columns that the header names gaze_x, gaze_y, gaze_z or gaze_yaw,
+  // gaze_pitch (radians, to the left and up). NaN (in CSV an empty cell, too) is a reading that is lost.
   brace,  // "# brace pose trace 1": int64 ns, x y z qx qy qz qw with 17 digits; round-trips exactly
   tum,    // timestamp_s tx ty tz qx qy qz qw
   euroc,  // CSV with a '#' header: timestamp_ns, px, py, pz, qw, qx, qy, qz, …
@@ -30,7 +33,10 @@ struct TraceRepairs {
   std::size_t renormalised = 0;            // 1e-9 < | |q| - 1 | <= 1e-2
   std::size_t sign_flips = 0;              // q replaced by -q (the same rotation) for continuity
   std::size_t gaps = 0;                    // intervals > 50 ms, marked invalid
-  std::string first_problem;               // "file:line: what", the first pose dropped
+  std::string first_problem;               // "file:line: what", the first pose dropped or gaze lost for it
+  std::size_t gaze_read = 0;               // readings, of poses kept
+  std::size_t gaze_lost = 0;               // of these NaN: blinks; the last valid one holds
+  std::size_t gaze_bad = 0;                // of these neither: | |g| - 1 | > 1e-2, or z >= 0; taken as lost
 
   std::size_t dropped() const { return dropped_non_finite + dropped_bad_quaternion + dropped_time; }
   bool operator==(const TraceRepairs&) const = default;

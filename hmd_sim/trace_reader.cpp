@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <fstream>
+#include <limits>
 #include <sstream>
 
 #include <glm/geometric.hpp>
@@ -14,7 +15,8 @@ namespace {
 
 constexpr const char* accepted_formats =
     "accepted: brace ('# brace pose trace 1'), TUM text (timestamp_s tx ty tz qx qy qz qw), EuRoC CSV "
-    "(timestamp_ns, px, py, pz, qw, qx, qy, qz, …), A-Frame motion-capture JSON";
+    "(timestamp_ns, px, py, pz, qw, qx, qy, qz, …), A-Frame motion-capture JSON; the first two with gaze_x "
+    "gaze_y gaze_z at the end of each line, too";
 
 TraceFormat detect_format(const std::string& text, const std::string& name) {
   if (text.starts_with(brace_trace_magic)) return TraceFormat::brace;
@@ -25,7 +27,8 @@ TraceFormat detect_format(const std::string& text, const std::string& name) {
     if (content.front() == '{' || content.front() == '[') return TraceFormat::aframe;
     const std::size_t commas = split_fields(content, ',').size();
     if (commas >= 8 && parse_number(split_fields(content, ',')[0])) return TraceFormat::euroc;
-    if (commas == 1 && split_words(content).size() == 8) return TraceFormat::tum;
+    const std::size_t words = split_words(content).size();
+    if (commas == 1 && (words == 8 || words == 11)) return TraceFormat::tum;
     throw input_error("{}:{}: not a pose trace of a known format; {}", name, lines.line(), accepted_formats);
   }
   throw input_error("{}: empty, no pose in it; {}", name, accepted_formats);
@@ -48,8 +51,8 @@ RawTrace parse_as(TraceFormat format, const std::string& text, const std::string
 // Turns raw poses into valid ones; the first pose it would drop is an error in a strict read.
 class Repairer {
  public:
-  Repairer(std::string name, std::string place_word, bool strict)
-      : name_(std::move(name)), place_word_(std::move(place_word)), strict_(strict) {}
+  Repairer(std::string name, std::string place_word, bool has_gaze, bool strict)
+      : name_(std::move(name)), place_word_(std::move(place_word)), has_gaze_(has_gaze), strict_(strict) {}
 
   void add(const RawPose& raw) {
     ++repairs.poses_read;
@@ -72,6 +75,7 @@ class Repairer {
   }
 
   std::vector<TimedPose> poses;
+  std::vector<glm::dvec3> gaze;
   TraceRepairs repairs;
 
  private:
@@ -91,6 +95,21 @@ class Repairer {
     }
     poses.push_back(pose);
     ++repairs.poses_kept;
+    if (has_gaze_) keep_gaze(raw);
+  }
+
+  void keep_gaze(const RawPose& raw) {
+    ++repairs.gaze_read;
+    const double length = glm::length(raw.gaze);
+    gaze.push_back(std::abs(length - 1.0) > 1e-9 ? raw.gaze / length : raw.gaze);
+    if (std::isnan(length)) {
+      ++repairs.gaze_lost;
+    } else if (!(std::abs(length - 1.0) <= 1e-2) || !(raw.gaze.z < 0.0)) {
+      drop(repairs.gaze_bad, raw,
+           fmt::format("gaze ({:.6g}, {:.6g}, {:.6g}) is no unit vector that looks ahead (z < 0)", raw.gaze.x,
+                       raw.gaze.y, raw.gaze.z));
+      gaze.back() = glm::dvec3(std::numeric_limits<double>::quiet_NaN());
+    }
   }
 
   void drop(std::size_t& counter, const RawPose& raw, const std::string& what) {
@@ -103,7 +122,7 @@ class Repairer {
   }
 
   std::string name_, place_word_;
-  bool strict_;
+  bool has_gaze_, strict_;
 };
 
 std::string read_text(const std::filesystem::path& path) {
@@ -129,7 +148,7 @@ TraceReadResult parse_trace(const std::string& text, const std::string& name,
                             const TraceReadOptions& options) {
   const TraceFormat format = detect_format(text, name);
   const RawTrace raw = parse_as(format, text, name);
-  Repairer repairer(name, raw.place_word, options.strict);
+  Repairer repairer(name, raw.place_word, raw.has_gaze, options.strict);
   for (const RawPose& pose : raw.poses)
     repairer.add(pose);
   if (repairer.poses.size() < 2) {
@@ -138,7 +157,8 @@ TraceReadResult parse_trace(const std::string& text, const std::string& name,
                       repairer.poses.size(), repairer.poses.size() == 1 ? "" : "s", raw.poses.size(),
                       problem.empty() ? "" : "; first problem: ", problem);
   }
-  return {PoseTrace(trace_name(name), std::move(repairer.poses)), std::move(repairer.repairs), format};
+  return {PoseTrace(trace_name(name), std::move(repairer.poses), std::move(repairer.gaze)),
+          std::move(repairer.repairs), format};
 }
 
 TraceReadResult read_trace(const std::filesystem::path& path, const TraceReadOptions& options) {
@@ -157,7 +177,11 @@ std::string describe(const TraceRepairs& repairs) {
   add(repairs.renormalised, "quaternions renormalised");
   add(repairs.sign_flips, "quaternion signs flipped");
   add(repairs.gaps, "gaps > 50 ms marked invalid");
-  const bool clean = repairs.dropped() + repairs.renormalised + repairs.sign_flips + repairs.gaps == 0;
+  add(repairs.gaze_lost, "gaze readings lost (the last one holds)");
+  add(repairs.gaze_bad, "gaze readings that are no unit vector ahead, taken as lost");
+  const bool clean = repairs.dropped() + repairs.renormalised + repairs.sign_flips + repairs.gaps +
+                         repairs.gaze_lost + repairs.gaze_bad ==
+                     0;
   if (clean) text += ", nothing repaired";
   if (!repairs.first_problem.empty()) text += fmt::format("; first: {}", repairs.first_problem);
   return text;

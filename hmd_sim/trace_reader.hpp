@@ -21,11 +21,13 @@ struct RawPose {
   glm::dvec3 position{0.0};
   glm::dquat orientation{1.0, 0.0, 0.0, 0.0};
   std::size_t place = 0;  // line, or number of the pose in JSON; from 1
+  glm::dvec3 gaze{0.0};   // where the trace has gaze
 };
 
 struct RawTrace {
   std::vector<RawPose> poses;
   std::string place_word;  // "line" or "pose": what `place` counts
+  bool has_gaze = false;
 };
 
 RawTrace parse_brace(const std::string& text, const std::string& name);

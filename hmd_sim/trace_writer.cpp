@@ -22,23 +22,31 @@ std::string decimal_seconds(std::int64_t ns) {
   return fmt::format("{}{}.{:09}", ns < 0 ? "-" : "", magnitude / 1'000'000'000, magnitude % 1'000'000'000);
 }
 
-std::string pose_line(const TimedPose& pose, TraceFormat format) {
+std::string gaze_fields(const PoseTrace& trace, std::size_t i, char separator) {
+  if (!trace.has_gaze()) return "";
+  const glm::dvec3& g = trace.gaze()[i];
+  return fmt::format("{0}{1:.17g}{0}{2:.17g}{0}{3:.17g}", separator, g.x, g.y, g.z);
+}
+
+std::string pose_line(const PoseTrace& trace, std::size_t i, TraceFormat format) {
+  const TimedPose& pose = trace.poses()[i];
   const glm::dvec3& p = pose.world_from_head.position;
   const glm::dquat& q = pose.world_from_head.orientation;
   const std::int64_t ns = to_ns(pose.time);
   if (format == TraceFormat::euroc) {
-    return fmt::format("{},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g}\n", ns, p.x, p.y, p.z, q.w,
-                       q.x, q.y, q.z);
+    return fmt::format("{},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g},{:.17g}{}\n", ns, p.x, p.y, p.z,
+                       q.w, q.x, q.y, q.z, gaze_fields(trace, i, ','));
   }
-  return fmt::format("{} {:.17g} {:.17g} {:.17g} {:.17g} {:.17g} {:.17g} {:.17g}\n",
+  return fmt::format("{} {:.17g} {:.17g} {:.17g} {:.17g} {:.17g} {:.17g} {:.17g}{}\n",
                      format == TraceFormat::tum ? decimal_seconds(ns) : std::to_string(ns), p.x, p.y, p.z,
-                     q.x, q.y, q.z, q.w);
+                     q.x, q.y, q.z, q.w, gaze_fields(trace, i, ' '));
 }
 
 void write_header(std::ostream& out, const PoseTrace& trace, TraceFormat format,
                   const std::vector<std::string>& notes) {
   if (format == TraceFormat::euroc) {
-    out << "#timestamp [ns],p_x [m],p_y [m],p_z [m],q_w [],q_x [],q_y [],q_z []\n";
+    out << "#timestamp [ns],p_x [m],p_y [m],p_z [m],q_w [],q_x [],q_y [],q_z []"
+        << (trace.has_gaze() ? ",gaze_x [],gaze_y [],gaze_z []\n" : "\n");
     return;
   }
   if (format == TraceFormat::brace) out << brace_trace_magic << '\n';
@@ -47,8 +55,9 @@ void write_header(std::ostream& out, const PoseTrace& trace, TraceFormat format,
     out << "# " << note << '\n';
   out << "# frame: OpenXR (right-handed, +X right, +Y up, -Z forward), world from head, metres, unit "
          "quaternion\n";
-  out << (format == TraceFormat::tum ? "# timestamp_s tx ty tz qx qy qz qw\n"
-                                     : "# time_ns x y z qx qy qz qw\n");
+  if (trace.has_gaze()) out << "# gaze: unit vector in the head frame; nan: lost, a blink\n";
+  out << (format == TraceFormat::tum ? "# timestamp_s tx ty tz qx qy qz qw" : "# time_ns x y z qx qy qz qw")
+      << (trace.has_gaze() ? " gaze_x gaze_y gaze_z\n" : "\n");
 }
 
 }  // namespace
@@ -83,8 +92,8 @@ void write_trace(std::ostream& out, const PoseTrace& trace, TraceFormat format,
     throw input_error("the aframe format is read only; accepted for writing: brace, tum, euroc");
   }
   write_header(out, trace, format, notes);
-  for (const TimedPose& pose : trace.poses())
-    out << pose_line(pose, format);
+  for (std::size_t i = 0; i < trace.poses().size(); ++i)
+    out << pose_line(trace, i, format);
 }
 
 void write_trace(const std::filesystem::path& path, const PoseTrace& trace, TraceFormat format,

@@ -115,6 +115,7 @@ std::string run_mab(const BenchCommand& command) {
     options.repetitions = 3;
   }
   if (!command.volumes.empty()) options.volumes = command.volumes;
+  if (!command.parts.empty()) options.parts = command.parts;
   const MabBenchResult result = bench_mab(options);
   return command.json ? to_json(result) : to_text(result);
 }

@@ -121,6 +121,8 @@ struct TraceGenerateCommand {
   std::filesystem::path to;
   double degrees = 60.0, metres = 0.3, seconds = 1.0, rate_hz = 1000.0;
   std::uint64_t seed = 1;
+  std::string gaze = "none";
+  double blinks_per_minute = 0.0;
 };
 int trace_generate_command(const TraceGenerateCommand& command);
 

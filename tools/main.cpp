@@ -192,7 +192,7 @@ void add_trace(CLI::App& app, TraceCommands& commands, Action& action) {
   trace->require_subcommand(1);
   trace->footer("Example:\n  brace trace info my_recording.csv");
 
-  CLI::App* info = trace->add_subcommand("info", "Length, rate, speeds and repairs of a trace");
+  CLI::App* info = trace->add_subcommand("info", "Length, rate, speeds, gaze and repairs of a trace");
   info->add_option("file", commands.info.file, "Trace (TUM, EuRoC, A-Frame JSON or Brace's own form)")
       ->required();
   info->add_flag("--strict", commands.info.strict, "Refuse a trace that would need repair");
@@ -209,7 +209,9 @@ void add_trace(CLI::App& app, TraceCommands& commands, Action& action) {
   convert->callback([&] { action = [&] { return trace_convert_command(commands.convert); }; });
 
   CLI::App* generate = trace->add_subcommand("generate", "Make a head motion through the neck model");
-  generate->add_option("motion", commands.generate.motion, "rotation, translation, natural, still or spin")
+  generate
+      ->add_option("motion", commands.generate.motion,
+                   "rotation, translation, natural, still, spin or inspect")
       ->required();
   generate->add_option("to", commands.generate.to, "File to write")->required();
   generate->add_option("--degrees", commands.generate.degrees,
@@ -217,7 +219,10 @@ void add_trace(CLI::App& app, TraceCommands& commands, Action& action) {
   generate->add_option("--metres", commands.generate.metres, "Extent of a translation");
   generate->add_option("--seconds", commands.generate.seconds, "Duration");
   generate->add_option("--rate", commands.generate.rate_hz, "Poses per second");
-  generate->add_option("--seed", commands.generate.seed, "Seed of the natural motion");
+  generate->add_option("--seed", commands.generate.seed, "Seed of the natural motion, and of the eyes");
+  generate->add_option("--gaze", commands.generate.gaze, "What the eyes do: none, saccades or pursuit");
+  generate->add_option("--blinks", commands.generate.blinks_per_minute,
+                       "Blinks per minute, in which the eye tracker loses the eyes");
   generate->footer("Example:\n  brace trace generate rotation turn.trace --degrees 60 --seconds 1");
   generate->callback([&] { action = [&] { return trace_generate_command(commands.generate); }; });
 }
@@ -239,7 +244,7 @@ void add_bench(CLI::App& app, BenchCommand& command, Action& action) {
       ->add_option(
           "--part", command.parts,
           "skip: updates, frames, threshold or octants; stereo: methods, shading, layers or resolution; "
-          "may be given again")
+          "mab: atlases, errors, times or controls; may be given again")
       ->take_all();
   bench
       ->add_option("--volume", command.volumes,

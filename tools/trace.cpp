@@ -21,7 +21,34 @@ Json repairs_json(const sim::TraceRepairs& repairs) {
           {"dropped_time", repairs.dropped_time},
           {"renormalised", repairs.renormalised},
           {"sign_flips", repairs.sign_flips},
-          {"gaps", repairs.gaps}};
+          {"gaps", repairs.gaps},
+          {"gaze_read", repairs.gaze_read},
+          {"gaze_lost", repairs.gaze_lost},
+          {"gaze_bad", repairs.gaze_bad}};
+}
+
+/// null without gaze.
+Json gaze_json(const sim::TraceInfo& info) {
+  if (!info.has_gaze) return nullptr;
+  return {{"lost", info.gaze_lost},
+          {"blinks", info.blinks},
+          {"speed_deg_s",
+           {{"mean", info.gaze_speed_deg_s_mean},
+            {"p95", info.gaze_speed_deg_s_p95},
+            {"max", info.gaze_speed_deg_s_max}}},
+          {"off_axis_deg", {{"mean", info.gaze_off_deg_mean}, {"max", info.gaze_off_deg_max}}}};
+}
+
+void print_gaze(const sim::TraceInfo& info) {
+  if (!info.has_gaze) {
+    fmt::print("  gaze           none\n");
+    return;
+  }
+  fmt::print(
+      "  gaze           {:.1f} / {:.1f} deg off straight ahead (mean / max), {:.1f} / {:.1f} / {:.1f} deg/s "
+      "(mean / p95 / max), lost in {} readings of {} blinks\n",
+      info.gaze_off_deg_mean, info.gaze_off_deg_max, info.gaze_speed_deg_s_mean, info.gaze_speed_deg_s_p95,
+      info.gaze_speed_deg_s_max, info.gaze_lost, info.blinks);
 }
 
 Json info_json(const sim::TraceReadResult& read, const sim::TraceInfo& info) {
@@ -48,6 +75,7 @@ Json info_json(const sim::TraceReadResult& read, const sim::TraceInfo& info) {
       {"extent_m",
        {info.position_max_m.x - info.position_min_m.x, info.position_max_m.y - info.position_min_m.y,
         info.position_max_m.z - info.position_min_m.z}},
+      {"gaze", gaze_json(info)},
       {"repairs", repairs_json(read.repairs)}};
 }
 
@@ -82,6 +110,7 @@ int trace_info_command(const TraceInfoCommand& command) {
              info.linear_speed_m_s_max);
   fmt::print("  extent         {:.2f} x {:.2f} x {:.2f} m\n", info.position_max_m.x - info.position_min_m.x,
              info.position_max_m.y - info.position_min_m.y, info.position_max_m.z - info.position_min_m.z);
+  print_gaze(info);
   fmt::print("  repeated poses {}\n", info.duplicates);
   fmt::print("  repairs        {}\n", sim::describe(read.repairs));
   return 0;
@@ -111,11 +140,18 @@ int trace_generate_command(const TraceGenerateCommand& command) {
   spec.seconds = command.seconds;
   spec.seed = command.seed;
   spec.rate = {static_cast<std::int64_t>(command.rate_hz * 1000.0 + 0.5), 1000};
+  spec.gaze = {sim::parse_eye_motion(command.gaze), command.blinks_per_minute, command.seed};
+  if (spec.gaze.motion == sim::EyeMotion::none && command.blinks_per_minute > 0.0) {
+    throw input_error("--blinks {} without gaze; accepted with it: --gaze saccades or pursuit",
+                      command.blinks_per_minute);
+  }
   const sim::PoseTrace trace = sim::generate_trace(spec);
-  sim::write_trace(
-      command.to, trace, sim::TraceFormat::brace,
-      {fmt::format("generated: {} about the neck, {} degrees, {} m, {} s, {} Hz, seed {}", command.motion,
-                   command.degrees, command.metres, command.seconds, command.rate_hz, command.seed)});
+  std::vector<std::string> notes = {
+      fmt::format("generated: {} about the neck, {} degrees, {} m, {} s, {} Hz, seed {}", command.motion,
+                  command.degrees, command.metres, command.seconds, command.rate_hz, command.seed)};
+  if (trace.has_gaze())
+    notes.push_back(fmt::format("gaze: {}, {} blinks per minute", command.gaze, command.blinks_per_minute));
+  sim::write_trace(command.to, trace, sim::TraceFormat::brace, notes);
   fmt::print("{}: {} poses\n", command.to.string(), trace.poses().size());
   return 0;
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -33,6 +34,8 @@ struct ChunkedParams {
   std::optional<SimDuration> reserve{};  // before a vsync, for its warp; default: the warp's own lead
   SimDuration cell_overhead{10'000};     // GPU time that each cell takes beside its work
   Cut cut = Cut::even;
+  int give_up_periods = 0;  // a frame not done after so many is given up if one of the rays that load control
+                            // then asks for is done sooner; 0: never
 };
 
 /// Which cell of an eye frame is cast next, and how long it is expected to take. A cell's time is traced from
@@ -50,6 +53,11 @@ class CellSchedule {
   void begin_frame();
   /// Of this frame's cells, the left eye's and the right eye's.
   std::span<const CellCuts, 2> cuts() const { return cuts_; }
+  /// None of this frame's cells is to be cast any more.
+  void drop() {
+    std::fill(waiting_.begin(), waiting_.end(), false);
+    left_ = 0;
+  }
   /// Of this frame.
   int left() const { return left_; }
 

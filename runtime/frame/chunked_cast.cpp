@@ -1,6 +1,7 @@
 #include "runtime/frame/chunked_cast.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "base/error.hpp"
 
@@ -117,6 +118,20 @@ std::optional<JobRecord> ChunkedCast::finish_cell(const JobRecord& job, RecordSi
   row_->ends_frame = true;
   flush(sink);
   return whole_;
+}
+
+std::optional<ChunkedCast::Expected> ChunkedCast::expected_cost() const {
+  const std::size_t done = first_in_flight_;
+  if (done == 0 || done < in_flight_.size() || done == outcomes_.size()) return std::nullopt;
+  const double share = static_cast<double>(done) / static_cast<double>(outcomes_.size());
+  const SimDuration total(std::llround(static_cast<double>(whole_->cost_ns) / share));
+  return Expected{total, total - SimDuration(whole_->cost_ns)};
+}
+
+void ChunkedCast::give_up(RecordSink& sink) {
+  BRACE_CHECK(first_in_flight_ == in_flight_.size());
+  schedule_.drop();
+  flush(sink);
 }
 
 void ChunkedCast::flush(RecordSink& sink) {

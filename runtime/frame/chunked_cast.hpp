@@ -42,6 +42,15 @@ class ChunkedCast {
   /// The oldest cell is done. Rows go to `sink`; the frame's own record comes with its last cell: from the
   /// first submission to the last end, costs summed up.
   std::optional<JobRecord> finish_cell(const JobRecord& job, RecordSink& sink);
+  /// What the frame will have cost, from its cells that are done; empty while one is in flight, before the
+  /// first is done, and once all are.
+  struct Expected {
+    SimDuration total, left;
+  };
+  std::optional<Expected> expected_cost() const;
+  /// The rest of the frame is not cast: begin_frame is next. Nothing may be in flight.
+  void give_up(RecordSink& sink);
+
   /// The row that is still open goes to `sink`.
   void flush(RecordSink& sink);
 

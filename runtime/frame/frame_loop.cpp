@@ -6,6 +6,7 @@
 
 #include "base/error.hpp"
 #include "runtime/frame/chunked_cast.hpp"
+#include "runtime/frame/describe_record.hpp"
 #include "runtime/frame/recent_durations.hpp"
 #include "runtime/timeline/event_queue.hpp"
 
@@ -24,6 +25,11 @@ struct EyeFrame {
   std::int64_t start_ns = -1;    // first work on the GPU
   std::int64_t done_ns = -1;
   WorkCounts work;
+  glm::dvec3 gaze = sim::straight_ahead;  // as known at its start
+  int slot = 0;                           // of the swap-chain
+  SimTime begin{};                        // when it was asked for
+  double quality = 1.0;
+  bool judged = false;  // the control stage has been told that it is late
 };
 
 /// What a warp makes of an eye frame: on its way to the panel, or on it.
@@ -194,17 +200,22 @@ void start_eye_frame(Loop& loop) {
   eye.frame = loop.result.eye_frames_started++;
   eye.world_from_head = predict(loop.inputs.predict, readings, target);
   eye.reading_ns = readings.back().time_ns;
+  eye.slot = loop.front ? (loop.front->slot + 1) % frame_slots : 0;
+  eye.begin = now;
+  eye.quality = loop.quality;
   eye.target_ns = to_ns(target);
+  if (loop.inputs.gaze != nullptr) eye.gaze = loop.inputs.gaze->known_at(now);
   const std::optional<ChunkedParams>& cells = loop.config.chunked;
   const std::span<const CellCuts> cuts = loop.chunked ? loop.chunked->cut() : std::span<const CellCuts>();
   const JobOutcome outcome = loop.inputs.work.cast({.frame = eye.frame,
-                                                    .slot = static_cast<int>(eye.frame % frame_slots),
+                                                    .slot = eye.slot,
                                                     .world_from_head = eye.world_from_head,
                                                     .start = now,
                                                     .quality = loop.quality,
                                                     .cell_columns = cells ? cells->columns : 0,
                                                     .cell_rows = cells ? cells->rows : 0,
-                                                    .cuts = cuts});
+                                                    .cuts = cuts,
+                                                    .gaze = eye.gaze});
   eye.work = outcome.work;
   loop.casting = eye;
   if (loop.chunked) {
@@ -240,7 +251,7 @@ void latch_warp(Loop& loop, std::int64_t vsync) {
   }
   WarpRequest request{.vsync_index = vsync,
                       .frame = image.eye.frame,
-                      .slot = static_cast<int>(image.eye.frame % frame_slots),
+                      .slot = image.eye.slot,
                       .render_world_from_head = image.eye.world_from_head,
                       .warp_world_from_head = image.warp_world_from_head,
                       .start = now};
@@ -260,12 +271,12 @@ void begin_cell_period(Loop& loop, std::int64_t latched_vsync) {
   submit_cells(loop);
 }
 
-void control_quality(Loop& loop, const JobRecord& cast) {
+void control_quality(Loop& loop, std::int64_t frame, std::int64_t cost_ns) {
   const ControlStage& control = loop.inputs.control;
   if (control.functions == nullptr) return;
   const brace_control_input input{.struct_size = sizeof(brace_control_input),
-                                  .frame = static_cast<std::uint64_t>(cast.index),
-                                  .frame_cost_ns = cast.cost_ns,
+                                  .frame = static_cast<std::uint64_t>(frame),
+                                  .frame_cost_ns = cost_ns,
                                   .budget_ns = to_ns(period_of(loop) - warp_lead(loop)),
                                   .missed = loop.missed_since_control,
                                   .delay_frames = 0};  // the next frame starts after this
@@ -277,7 +288,7 @@ void control_quality(Loop& loop, const JobRecord& cast) {
     throw device_error(
         "{} failed in update; expected BRACE_OK and 0 < quality <= 1; found result {}, quality {} after "
         "frame {}{}{}",
-        control.name, static_cast<int>(result), quality, cast.index, own_words != nullptr ? ": " : "",
+        control.name, static_cast<int>(result), quality, frame, own_words != nullptr ? ": " : "",
         own_words != nullptr ? own_words : "");
   }
   loop.quality = quality;
@@ -294,11 +305,30 @@ void finish_cast(Loop& loop, const JobRecord& job) {
   loop.casting.reset();
   ++loop.result.eye_frames_finished;
   loop.cast_durations.add(SimDuration(job.end_ns - job.submit_ns));
-  control_quality(loop, job);
+  control_quality(loop, job.index, job.cost_ns);
   if (loop.config.pace == Pace::free) {
     const SimTime earliest = sim_time(job.submit_ns) + free_frame_interval_min;
     loop.events.push(std::max(loop.events.now(), earliest), LoopEvent::start_eye_frame);
   }
+}
+
+/// A late frame in cells, between two of them: told to the control stage once, and given up if a frame of the
+/// quality that this asks for is done sooner than the rest of it.
+void give_up_late_frame(Loop& loop) {
+  if (!loop.chunked || !loop.casting || loop.casting->judged) return;
+  const int periods = loop.chunked->params().give_up_periods;
+  if (periods == 0 || loop.events.now() < loop.casting->begin + periods * period_of(loop)) return;
+  const std::optional<ChunkedCast::Expected> cost = loop.chunked->expected_cost();
+  if (!cost) return;
+  loop.casting->judged = true;
+  ++loop.missed_since_control;  // of the eye frame, whatever warps made of the vsync
+  control_quality(loop, loop.casting->frame, to_ns(cost->total));
+  const double anew_ns = static_cast<double>(to_ns(cost->total)) * loop.quality / loop.casting->quality;
+  if (!(anew_ns < static_cast<double>(to_ns(cost->left)))) return;
+  loop.chunked->give_up(loop.inputs.sink);
+  loop.casting.reset();
+  ++loop.result.eye_frames_given_up;
+  start_eye_frame(loop);
 }
 
 void finish_warp(Loop& loop, const JobRecord& job) {
@@ -320,6 +350,7 @@ void collect_finished(Loop& loop) {
     if (job->kind == JobKind::cast) finish_cast(loop, *job);
     if (job->kind == JobKind::warp) finish_warp(loop, *job);
   }
+  give_up_late_frame(loop);
   submit_cells(loop);
   expect_gpu_change(loop);
 }
@@ -349,13 +380,6 @@ void describe_image(FrameRecord& record, const DisplayImage& image, WarpPose war
   record.work = image.eye.work;
 }
 
-void describe_error(FrameRecord& record, const Pose& shown, const Pose& truth) {
-  const glm::dvec3 turn_rad = quat_log(glm::conjugate(truth.orientation) * shown.orientation);
-  record.angular_error_vector_rad = {turn_rad.x, turn_rad.y, turn_rad.z};
-  record.angular_error_rad = glm::length(turn_rad);
-  record.position_error_m = glm::length(shown.position - truth.position);
-}
-
 /// Scans out the image that is ready, or the last one again.
 void show_vsync(Loop& loop, std::int64_t vsync) {
   const bool image_is_new = loop.next && loop.next->done_ns >= 0;
@@ -379,16 +403,21 @@ void show_vsync(Loop& loop, std::int64_t vsync) {
     describe_image(record, *loop.panel, loop.config.warp_pose);
     const Pose truth = loop.inputs.head.true_pose(now + loop.photons.mid);
     if (record.pose_valid) describe_error(record, shown_pose(*loop.panel, loop.config.warp_pose), truth);
+    const glm::dvec3 gaze =
+        describe_gaze(record, loop.inputs.gaze, loop.panel->eye.gaze, now + loop.photons.mid);
     ShowRequest request{.vsync_index = vsync,
                         .image_is_new = image_is_new,
                         .true_world_from_head = truth,
-                        .transfer_version = loop.config.transfer.version_at(now + loop.photons.mid)};
+                        .transfer_version = loop.config.transfer.version_at(now + loop.photons.mid),
+                        .true_gaze = gaze};
     if (loop.config.scan_poses)
       request.true_scan = {loop.inputs.head.true_pose(now + loop.photons.first_row),
                            loop.inputs.head.true_pose(now + loop.photons.last_row)};
     const ShowOutcome outcome = loop.inputs.work.show(request);
     record.dssim_left = outcome.dssim_left;
     record.dssim_right = outcome.dssim_right;
+    record.weighted_rmse_left = outcome.weighted_rmse_left;
+    record.weighted_rmse_right = outcome.weighted_rmse_right;
   }
   loop.inputs.sink.add(record);
   ++loop.result.vsyncs;

@@ -9,6 +9,7 @@
 #include "plugins/abi/brace_stage.h"
 #include "runtime/frame/cell_schedule.hpp"
 #include "runtime/frame/frame_work.hpp"
+#include "runtime/frame/gaze_motion.hpp"
 #include "runtime/frame/head_motion.hpp"
 #include "runtime/frame/record_sink.hpp"
 #include "runtime/frame/transfer_schedule.hpp"
@@ -84,6 +85,7 @@ struct FrameLoopInputs {
   CostSource& cost;
   FrameWork& work;
   RecordSink& sink;
+  GazeMotion* gaze = nullptr;  // none: straight ahead, always
 };
 
 struct FrameLoopResult {
@@ -93,6 +95,7 @@ struct FrameLoopResult {
   std::int64_t eye_frames_finished = 0;
   std::int64_t warps = 0;
   std::int64_t transfer_updates = 0;
+  std::int64_t eye_frames_given_up = 0;  // ChunkedParams::give_up_periods
   /// Eye frames whose pose was predicted for a vsync at which, as was known when they were started, the frame
   /// before them is seen. Always 0 with Pace::vsync; with Pace::free frames faster than the display share
   /// vsyncs.
@@ -113,7 +116,10 @@ struct FrameLoopResult {
 ///
 /// Chunked. An eye frame is cast in cells (CellSchedule), all from the pose of its start: between the
 /// submission of one warp and of the next as many as fit, at least one. What is left of the frame waits; it
-/// is the front buffer when its last cell is done.
+/// is the front buffer when its last cell is done. With give_up_periods a frame that takes longer is told to
+/// the control stage as a miss, with the cost that its cells so far let expect; if a frame of the quality
+/// that it then asks for would be done sooner than the rest of this one, the rest is not cast, and that one
+/// starts at once.
 ///
 /// Transfer function. An eye frame shows the version in force when it is started. If that is another one than
 /// the frame before it showed, an update job goes to the GPU right before its cast; versions that no frame

@@ -1,12 +1,14 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <span>
 
 #include "base/pose.hpp"
 #include "base/time.hpp"
 #include "runtime/frame/cell_cuts.hpp"
+#include "hmd_sim/pose_trace.hpp"
 #include "runtime/metrics/frame_record.hpp"
 
 namespace brace {
@@ -23,6 +25,7 @@ struct CastRequest {
   double quality = 1.0;  // 0 < quality <= 1, from the control stage: fraction of the full ray count
   int cell_columns = 0, cell_rows = 0;  // of each eye: outcomes of cells are wanted; 0: of the frame alone
   std::span<const CellCuts> cuts{};     // of the left and the right eye into these cells; empty: even
+  glm::dvec3 gaze = sim::straight_ahead;  // as known at `start`, in the head frame
 };
 
 /// Head poses at the photons of a vsync's first and last line, in the order of the scan-out.
@@ -49,6 +52,7 @@ struct ShowRequest {
   Pose true_world_from_head{};
   std::int64_t transfer_version = 0;     // in force at photon time: what an ideal picture shows
   std::optional<ScanPoses> true_scan{};  // where asked for
+  glm::dvec3 true_gaze = sim::straight_ahead;  // at photon time, in the head frame
 };
 
 /// A change of the transfer function: what is cast from now on shows this version, and the structures that
@@ -75,7 +79,9 @@ struct JobOutcome {
 };
 
 struct ShowOutcome {
-  double dssim_left, dssim_right;  // NaN where not measured
+  double dssim_left, dssim_right;                                        // NaN where not measured
+  double weighted_rmse_left = std::numeric_limits<double>::quiet_NaN();  // the same
+  double weighted_rmse_right = std::numeric_limits<double>::quiet_NaN();
 };
 
 /// The pixels behind the frame loop. Two implementations: the Vulkan renderer, and counted work without

@@ -41,6 +41,10 @@ Pose HeadMotion::true_pose(SimTime time) {
   return trace_.at(fold(time).trace_time, interpolation_, hint_);
 }
 
+glm::dvec3 HeadMotion::true_gaze(SimTime time) {
+  return trace_.gaze_at(fold(time).trace_time, hint_);
+}
+
 std::span<const brace_tracker_sample> HeadMotion::readings(SimTime now) {
   const Folded folded = fold(now);
   const std::span<const brace_tracker_sample> history = tracker_.history(folded.trace_time);

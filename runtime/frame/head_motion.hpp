@@ -30,6 +30,8 @@ class HeadMotion {
   /// False in a gap of the trace and outside it.
   bool valid_at(SimTime time);
   Pose true_pose(SimTime time);
+  /// Where the eyes look, in the head frame: PoseTrace::gaze_at.
+  glm::dvec3 true_gaze(SimTime time);
   /// The tracker's readings known at `now`, oldest first, never empty. Valid until the next call.
   std::span<const brace_tracker_sample> readings(SimTime now);
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 
 #include <glm/geometric.hpp>
 #include <glm/vec3.hpp>
@@ -88,16 +89,72 @@ glm::dvec2 tangents_of_pixel(const LevelMapInput& input, int x, int y) {
   return sim::target_uv_to_tangents(input.fov, {(x + 0.5) / input.width_px, (y + 0.5) / input.height_px});
 }
 
+/// Distances of pixels from a point, over that of the farthest corner from another.
+class Distances {
+ public:
+  Distances(const LevelMapInput& input, glm::dvec2 from_tan, glm::dvec2 reach_tan)
+      : from_(place(input, from_tan)) {
+    const glm::dvec2 size(input.width_px, input.height_px), middle = place(input, reach_tan);
+    const glm::dvec2 reach = glm::max(glm::abs(middle), glm::abs(size - middle));
+    farthest_ = std::max(glm::length(reach), 1e-9);
+  }
+  /// 1 beyond.
+  double of_pixel(int x, int y) const {
+    return std::min(glm::distance(glm::dvec2(x + 0.5, y + 0.5), from_) / farthest_, 1.0);
+  }
+
+ private:
+  static glm::dvec2 place(const LevelMapInput& input, glm::dvec2 tan) {
+    return sim::tangents_to_target_uv(input.fov, tan) * glm::dvec2(input.width_px, input.height_px);
+  }
+  glm::dvec2 from_;
+  double farthest_ = 1.0;
+};
+
+constexpr std::size_t demand_bins = 1 << 16;
+/// How much less what is farthest from the gaze point counts: enough to tell equal demands apart.
+constexpr double tilt = 0.01;
+
+/// Place of a demand on a logarithmic scale from demand_max to demand_min, 0 to 1.
+double log_place(const LevelCoordinates& map, double demand) {
+  if (!(demand > map.demand_min)) return 1.0;
+  return std::clamp(std::log(map.demand_max / demand) / std::log(map.demand_max / map.demand_min), 0.0, 1.0);
+}
+
+/// `radii`: of all pixels, in any order.
+void match_radii(LevelCoordinates& map, const std::vector<double>& demands, std::vector<float> radii) {
+  std::vector<std::uint32_t> bins(demand_bins, 0);
+  for (const double demand : demands) {
+    const double place = log_place(map, demand) * static_cast<double>(demand_bins);
+    ++bins[std::min(static_cast<std::size_t>(place), demand_bins - 1)];
+  }
+  std::sort(radii.begin(), radii.end());
+  map.x_of_place.assign(demand_bins + 1, 0.0);
+  std::size_t above = 0;
+  for (std::size_t i = 0; i < demand_bins; ++i) {
+    above += bins[i];
+    if (above > 0) map.x_of_place[i + 1] = static_cast<double>(radii[above - 1]);
+  }
+}
+
 template <class Demand>
 LevelCoordinates coordinates_of_demand(const LevelMapInput& input, const Demand& demand) {
+  const Distances distances(input, input.gaze_tan, input.reach_tan.value_or(input.gaze_tan));
   std::vector<double> demands;
+  std::vector<float> radii;
   demands.reserve(static_cast<std::size_t>(input.width_px) * static_cast<std::size_t>(input.height_px));
+  radii.reserve(demands.capacity());
   for (int row = 0; row < input.height_px; ++row)
-    for (int column = 0; column < input.width_px; ++column)
-      demands.push_back(demand(tangents_of_pixel(input, column, row)));
+    for (int column = 0; column < input.width_px; ++column) {
+      const double off = distances.of_pixel(column, row);
+      const double useful = std::min(demand(tangents_of_pixel(input, column, row)), input.demand_cap);
+      demands.push_back(useful * (1.0 - tilt * off * off));
+      radii.push_back(static_cast<float>(off));
+    }
   LevelCoordinates result;
   result.demand_min = input.demand_min;
   result.demand_max = std::max(*std::max_element(demands.begin(), demands.end()), 2.0 * input.demand_min);
+  match_radii(result, demands, std::move(radii));
   result.x.reserve(demands.size());
   for (const double d : demands)
     result.x.push_back(static_cast<float>(result.coordinate_of(d)));
@@ -105,17 +162,12 @@ LevelCoordinates coordinates_of_demand(const LevelMapInput& input, const Demand&
 }
 
 LevelCoordinates coordinates_of_radius(const LevelMapInput& input) {
-  const glm::dvec2 size(input.width_px, input.height_px);
-  const glm::dvec2 gaze = sim::tangents_to_target_uv(input.fov, input.gaze_tan) * size;
-  const glm::dvec2 reach = glm::max(glm::abs(gaze), glm::abs(size - gaze));
-  const double farthest = std::max(glm::length(reach), 1e-9);
+  const Distances distances(input, input.gaze_tan, input.reach_tan.value_or(input.gaze_tan));
   LevelCoordinates result;
   result.x.reserve(static_cast<std::size_t>(input.width_px) * static_cast<std::size_t>(input.height_px));
   for (int row = 0; row < input.height_px; ++row)
-    for (int column = 0; column < input.width_px; ++column) {
-      const double distance = glm::length(glm::dvec2(column + 0.5, row + 0.5) - gaze);
-      result.x.push_back(static_cast<float>(std::min(distance / farthest, 1.0)));
-    }
+    for (int column = 0; column < input.width_px; ++column)
+      result.x.push_back(static_cast<float>(distances.of_pixel(column, row)));
   return result;
 }
 
@@ -123,7 +175,10 @@ LevelCoordinates coordinates_of_radius(const LevelMapInput& input) {
 
 double LevelCoordinates::coordinate_of(double demand) const {
   if (!(demand > demand_min)) return 1.0;
-  return std::clamp(std::log(demand_max / demand) / std::log(demand_max / demand_min), 0.0, 1.0);
+  const double place = log_place(*this, demand) * static_cast<double>(x_of_place.size() - 1);
+  const std::size_t bin = std::min(static_cast<std::size_t>(place), x_of_place.size() - 2);
+  const double t = place - static_cast<double>(bin);
+  return std::min(x_of_place[bin] + t * (x_of_place[bin + 1] - x_of_place[bin]), 1.0);
 }
 
 double lens_demand(const LevelMapInput& input, glm::dvec2 t) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include <glm/vec2.hpp>
@@ -26,16 +27,24 @@ struct LevelMapInput {
   double demand_min = 0.1;                      // coordinate 1; less than this is not told apart
   /// Of a replay in small: the headset's own pixels are this times the picture's.
   double resolution_scale = 1.0;
+  /// For `radius`: the point whose farthest corner is at 1, so that a gaze that moves leaves lengths as they
+  /// are; none: the gaze point.
+  std::optional<glm::dvec2> reach_tan{};
+  double demand_cap = 1e9;  // more is of no use: the finest level's scale
 };
 
 /// Where every pixel stands between fine and coarse.
 struct LevelCoordinates {
   /// Rows top to bottom, 0 (finest) <= x <= 1: for `radius` the distance from the gaze point over that of the
-  /// farthest corner; else coordinate_of(demand), demand the rays per pixel and axis that are of use.
+  /// farthest corner (see reach_tan), 1 beyond; else coordinate_of(demand), demand the rays per pixel and
+  /// axis that are of use.
   std::vector<float> x;
   double demand_max = 1.0, demand_min = 0.1;  // of the picture; not for `radius`
+  std::vector<double> x_of_place;  // coordinate_of(demand_max (demand_min / demand_max)^(i / (size - 1)))
 
-  /// ln(demand_max / demand) / ln(demand_max / demand_min), clamped: equal ratios are equally far apart.
+  /// As many pixels have a larger demand as are nearer to the gaze point than the coordinate says, so that
+  /// any map has the coordinates of the radial one, in another order; 1 from demand_min down. What has the
+  /// same demand comes from the gaze point outwards.
   double coordinate_of(double demand) const;
 };
 LevelCoordinates level_coordinates(LevelMap map, const LevelMapInput& input);

@@ -17,17 +17,37 @@ double smooth_step(double begin, double width, double x) {
   return t * t * (3.0 - 2.0 * t);
 }
 
+std::vector<std::uint32_t> ranges_of(const LevelWeights& weights) {
+  std::vector<std::uint32_t> ranges;
+  for (int entry = 0; entry + 1 < mab_weight_entries; ++entry) {
+    std::uint32_t first = mab_levels_max, last = 0;
+    for (int level = 0; level < weights.levels; ++level) {
+      const auto at = static_cast<std::size_t>(level * mab_weight_entries + entry);
+      if (!(weights.entries[at] > 0.0f) && !(weights.entries[at + 1] > 0.0f)) continue;
+      first = std::min(first, static_cast<std::uint32_t>(level));
+      last = static_cast<std::uint32_t>(level);
+    }
+    ranges.push_back(first | last << 8);
+  }
+  return ranges;
+}
+
 }  // namespace
 
 LevelAnchors moved(const LevelAnchors& anchors, double t) {
   LevelAnchors result = anchors;
-  const double last = anchors.begin[static_cast<std::size_t>(anchors.levels - 1)];
+  const auto fewer = [&](double begin, int level, double s) {
+    return (begin + anchors.blend) * std::pow(s, anchors.levels - level) - anchors.blend;
+  };
   for (int i = 1; i < anchors.levels; ++i) {
-    double& begin = result.begin[static_cast<std::size_t>(i)];
-    if (anchors.together) {
-      begin -= (1.0 - t) * (last + anchors.blend);
+    const auto level = static_cast<std::size_t>(i);
+    const double limit = anchors.limit[level];
+    if (!anchors.limited) {
+      result.begin[level] = fewer(anchors.begin[level], i, t);
+    } else if (t < 0.5) {
+      result.begin[level] = std::min(anchors.begin[level], fewer(limit, i, 2.0 * t));
     } else {
-      begin = (begin + anchors.blend) * std::pow(t, anchors.levels - i) - anchors.blend;
+      result.begin[level] = std::min(anchors.begin[level], limit + (1.0 - limit) * (2.0 * t - 1.0));
     }
   }
   return result;
@@ -57,6 +77,7 @@ LevelWeights level_weights(const LevelAnchors& anchors) {
       from_here = coarser;
     }
   }
+  weights.ranges = ranges_of(weights);
   return weights;
 }
 

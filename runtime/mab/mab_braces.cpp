@@ -11,7 +11,7 @@ namespace {
 
 /// Binding slots of the snippet; mab.glsl is the same list.
 constexpr std::uint32_t params_slot = 24, texel_of_ray_slot = 25, ray_of_texel_slot = 26,
-                        coordinates_slot = 27, weights_slot = 28;
+                        coordinates_slot = 27, weights_slot = 28, ranges_slot = 29;
 
 BraceMabParams mab_params(const Atlas& atlas) {
   BraceMabParams params{};
@@ -50,16 +50,31 @@ MabBraces::MabBraces(const gpu::Device& device, MabPlan plan, std::uint64_t guar
     eye.coordinates = gpu::Buffer(device, "mab coordinates", coordinates.size() * 4, gpu::Memory::device);
     eye.weights = gpu::Buffer(device, "mab weights", sizeof(float) * mab_levels_max * mab_weight_entries,
                               gpu::Memory::upload);
+    eye.ranges = gpu::Buffer(device, "mab levels per entry", sizeof(std::uint32_t) * mab_weight_entries,
+                             gpu::Memory::upload);
     gpu::upload_values(device, eye.coordinates, std::span<const float>(coordinates));
-    eye.bindings = {gpu::bind(params_slot, params_), gpu::bind(texel_of_ray_slot, eye.texel_of_ray),
+    eye.bindings = {gpu::bind(params_slot, params_),
+                    gpu::bind(texel_of_ray_slot, eye.texel_of_ray),
                     gpu::bind(ray_of_texel_slot, eye.ray_of_texel),
-                    gpu::bind(coordinates_slot, eye.coordinates), gpu::bind(weights_slot, eye.weights)};
+                    gpu::bind(coordinates_slot, eye.coordinates),
+                    gpu::bind(weights_slot, eye.weights),
+                    gpu::bind(ranges_slot, eye.ranges)};
   }
-  show_step(MabPlan::steps);
+  show_step(plan_.step_asked(1.0));
+}
+
+void MabBraces::look_at(const glm::dvec3& gaze) {
+  if (!plan_.look_at(gaze)) return;
+  for (const sim::Eye which : sim::all_eyes) {
+    const std::vector<float>& coordinates = plan_.coordinates(which);
+    gpu::upload_values(device_, eyes_[static_cast<std::size_t>(which)].coordinates,
+                       std::span<const float>(coordinates));
+  }
+  step_ = -1;
 }
 
 void MabBraces::set_quality(double quality) {
-  const int step = plan_.step_for(quality);
+  const int step = plan_.step_asked(quality);
   if (step != step_) show_step(step);
 }
 
@@ -69,6 +84,7 @@ void MabBraces::show_step(int step) {
     EyeBraces& eye = eyes_[static_cast<std::size_t>(which)];
     const LevelWeights weights = plan_.weights(which, step);
     gpu::upload_values(device_, eye.weights, std::span<const float>(weights.entries));
+    gpu::upload_values(device_, eye.ranges, std::span<const std::uint32_t>(weights.ranges));
     const MabRays rays = plan_.make_rays(which, step);
     gpu::upload_values(device_, eye.texel_of_ray, std::span<const std::uint32_t>(rays.texel_of_ray));
     gpu::upload_values(device_, eye.ray_of_texel, std::span<const std::uint32_t>(rays.ray_of_texel));

@@ -10,7 +10,7 @@
 namespace brace {
 
 /// rays/mab on the device: the ray buffers that both eyes share, and for each eye what the stage's snippet
-/// binds. The device must outlive it; nothing submitted may be waiting when the quality is set.
+/// binds. The device must outlive it; nothing submitted may be waiting when quality or gaze are set.
 class MabBraces {
  public:
   /// Throws device_error when the rays do not fit.
@@ -19,7 +19,10 @@ class MabBraces {
   const MabPlan& plan() const { return plan_; }
   const RayBuffers& rays() const { return rays_; }
 
-  /// Moves the anchors so that at most this share of the plan's rays is cast.
+  /// See MabPlan::look_at; set_quality comes after it.
+  void look_at(const glm::dvec3& gaze);
+
+  /// Moves the anchors so that at most this share of what the plan gives is cast.
   void set_quality(double quality);
 
   RayGrid grid(sim::Eye eye) const { return eyes_[static_cast<std::size_t>(eye)].grid; }
@@ -29,7 +32,7 @@ class MabBraces {
 
  private:
   struct EyeBraces {
-    gpu::Buffer texel_of_ray, ray_of_texel, coordinates, weights;
+    gpu::Buffer texel_of_ray, ray_of_texel, coordinates, weights, ranges;
     RayGrid grid;
     std::vector<gpu::Binding> bindings;
   };

@@ -4,8 +4,12 @@
 #include <cmath>
 
 #include <fmt/core.h>
+#include <glm/geometric.hpp>
+#include <glm/gtc/quaternion.hpp>
 
 #include "base/error.hpp"
+#include "hmd_sim/gaze.hpp"
+#include "hmd_sim/pose_trace.hpp"
 
 namespace brace {
 
@@ -41,9 +45,10 @@ void read_anchors(const PipelineStage& stage, MabSettings& settings) {
 /// A level begins where its scale is enough for the demand.
 void begin_where_enough(LevelAnchors& anchors, const MabSettings& settings,
                         const LevelCoordinates& coordinates) {
-  anchors.together = true;
+  anchors.limited = true;
   for (int i = 1; i < settings.levels; ++i) {
     const auto level = static_cast<std::size_t>(i);
+    anchors.limit[level] = anchors.begin[level];
     anchors.begin[level] = coordinates.coordinate_of(settings.scale[level]);
   }
 }
@@ -62,6 +67,11 @@ std::uint64_t area(int width, int height) {
   return static_cast<std::uint64_t>(width) * static_cast<std::uint64_t>(height);
 }
 
+/// A direction of the head frame as tangents of an eye's, whose display may be canted.
+glm::dvec2 gaze_of_eye(const sim::EyeProfile& eye, const glm::dvec3& gaze) {
+  return sim::gaze_tangents(glm::conjugate(eye.head_from_eye.orientation) * gaze);
+}
+
 }  // namespace
 
 MabSettings mab_settings(const PipelineStage& stage) {
@@ -74,33 +84,54 @@ MabSettings mab_settings(const PipelineStage& stage) {
   settings.acuity_slope = stage.value("acuity_slope");
   settings.reach = stage.value("filter") == 0.0 ? 1 : 2;
   settings.compact = stage.value("scheme") == 0.0;
+  settings.ray_share = stage.value("ray_share");
+  settings.gaze = static_cast<MabGaze>(static_cast<int>(stage.value("gaze")));
   return settings;
 }
 
 MabPlan::MabPlan(const MabSettings& settings, const sim::DeviceProfile& profile, const Sizes& sizes)
-    : settings_(settings), eye_px_(sizes.eye_px), atlas_(pack_atlas(level_sizes(settings, sizes.eye_px))) {
+    : settings_(settings),
+      optics_(profile.eyes),
+      sizes_(sizes),
+      eye_px_(sizes.eye_px),
+      atlas_(pack_atlas(level_sizes(settings, sizes.eye_px))) {
   if (std::max(atlas_.width, atlas_.height) > texels_max) {
     throw input_error("stage rays/mab: the atlas is {} x {} texels; accepted: up to {} across and down",
                       atlas_.width, atlas_.height, texels_max);
   }
   for (const sim::Eye eye : sim::all_eyes) {
-    const sim::EyeProfile& optics = profile.eye(eye);
-    LevelCoordinates coordinates = level_coordinates(
-        settings.map, {.lens = optics.lens,
-                       .fov = optics.fov,
-                       .width_px = eye_px_.x,
-                       .height_px = eye_px_.y,
-                       .panel_width_px = sizes.panel_px.x,
-                       .panel_height_px = sizes.panel_px.y,
-                       .gaze_tan = settings.gaze_tan,
-                       .acuity_slope = settings.acuity_slope,
-                       .demand_min = 0.5 * settings.scale[static_cast<std::size_t>(settings.levels - 1)],
-                       .resolution_scale = sizes.resolution_scale});
-    LiveTexels texels(atlas_.levels, {eye_px_.x, eye_px_.y, coordinates.x}, settings.reach);
-    LevelAnchors anchors = settings.anchors;
-    if (settings.map != LevelMap::radius) begin_where_enough(anchors, settings, coordinates);
+    gaze_tan_[index(eye)] = settings.gaze == MabGaze::fixed
+                                ? settings.gaze_tan
+                                : gaze_of_eye(optics_[index(eye)], sim::straight_ahead);
+  }
+  lay_levels();
+}
+
+void MabPlan::lay_levels() {
+  eyes_.clear();
+  rays_.fill(0);
+  for (const sim::Eye eye : sim::all_eyes) {
+    const sim::EyeProfile& optics = optics_[index(eye)];
+    LevelMapInput input{.lens = optics.lens,
+                        .fov = optics.fov,
+                        .width_px = eye_px_.x,
+                        .height_px = eye_px_.y,
+                        .panel_width_px = sizes_.panel_px.x,
+                        .panel_height_px = sizes_.panel_px.y,
+                        .gaze_tan = gaze_tan_[index(eye)],
+                        .acuity_slope = settings_.acuity_slope,
+                        .demand_min = 0.5 * settings_.scale[static_cast<std::size_t>(settings_.levels - 1)],
+                        .resolution_scale = sizes_.resolution_scale};
+    input.demand_cap = settings_.scale[0];
+    if (settings_.gaze != MabGaze::fixed || settings_.map != LevelMap::radius)
+      input.reach_tan = gaze_of_eye(optics, sim::straight_ahead);
+    LevelCoordinates coordinates = level_coordinates(settings_.map, input);
+    LiveTexels texels(atlas_.levels, {eye_px_.x, eye_px_.y, coordinates.x}, settings_.reach);
+    LevelAnchors anchors = settings_.anchors;
+    if (settings_.map != LevelMap::radius) begin_where_enough(anchors, settings_, coordinates);
     eyes_.push_back({std::move(coordinates.x), std::move(texels), anchors});
   }
+  eye_rays_max_ = 0;
   for (int step = 0; step <= steps; ++step) {
     for (const sim::Eye which : sim::all_eyes) {
       const std::uint64_t live = eyes_[index(which)].texels.count(weights(which, step));
@@ -108,6 +139,25 @@ MabPlan::MabPlan(const MabSettings& settings, const sim::DeviceProfile& profile,
       eye_rays_max_ = std::max(eye_rays_max_, live);
     }
   }
+  const double rays_max = settings_.ray_share * 2.0 * static_cast<double>(area(eye_px_.x, eye_px_.y));
+  share_limit_ = std::min(1.0, rays_max / static_cast<double>(rays(steps)));
+}
+
+bool MabPlan::look_at(const glm::dvec3& gaze) {
+  if (settings_.gaze == MabGaze::fixed || settings_.map == LevelMap::lens) return false;
+  bool moved = false;
+  std::array<glm::dvec2, 2> gaze_tan{};
+  for (const sim::Eye eye : sim::all_eyes) {
+    const sim::EyeProfile& optics = optics_[index(eye)];
+    gaze_tan[index(eye)] = gaze_of_eye(optics, gaze);
+    const glm::dvec2 px = (gaze_tan[index(eye)] - gaze_tan_[index(eye)]) * glm::dvec2(eye_px_) /
+                          glm::dvec2(optics.fov.width(), optics.fov.height());
+    moved = moved || !(glm::length(px) < 0.25);
+  }
+  if (!moved) return false;
+  gaze_tan_ = gaze_tan;
+  lay_levels();
+  return true;
 }
 
 LevelWeights MabPlan::weights(sim::Eye eye, int step) const {
@@ -138,8 +188,14 @@ MabRays MabPlan::make_rays(sim::Eye eye, int step) const {
 
 std::uint64_t MabPlan::capacity() const {
   if (!settings_.compact) return area(atlas_.width, atlas_.height);
-  // A grid of groups, its last row filled up.
-  const std::uint64_t groups = (eye_rays_max_ + 63) / 64;
+  // A grid of groups, its last row filled up. Where a gaze moves to is not known: then for every texel.
+  std::uint64_t rays_max = eye_rays_max_;
+  if (settings_.gaze != MabGaze::fixed) {
+    rays_max = 0;
+    for (const AtlasRect& level : atlas_.levels)
+      rays_max += area(level.width, level.height);
+  }
+  const std::uint64_t groups = (rays_max + 63) / 64;
   const auto across = static_cast<std::uint64_t>(std::ceil(std::sqrt(static_cast<double>(groups))));
   return 64 * (across + 1) * (across + 1);
 }
@@ -154,12 +210,13 @@ std::string MabPlan::summary() const {
   const std::uint64_t atlas = area(atlas_.width, atlas_.height);
   return fmt::format(
       "levels of {} in an atlas of {} x {} ({:.1f} % of it used); {} rays for the {} pixels of both eyes "
-      "({:.1f} %), down to {:.1f} % by load control",
+      "({:.1f} %), down to {:.1f} % by load control{}",
       sizes, atlas_.width, atlas_.height, 100.0 * static_cast<double>(used) / static_cast<double>(atlas),
-      rays(steps), 2 * area(eye_px_.x, eye_px_.y),
-      50.0 * static_cast<double>(rays(steps)) / static_cast<double>(area(eye_px_.x, eye_px_.y)),
+      rays(step_asked(1.0)), 2 * area(eye_px_.x, eye_px_.y),
+      50.0 * static_cast<double>(rays(step_asked(1.0))) / static_cast<double>(area(eye_px_.x, eye_px_.y)),
       50.0 * quality_min() * static_cast<double>(rays(steps)) /
-          static_cast<double>(area(eye_px_.x, eye_px_.y)));
+          static_cast<double>(area(eye_px_.x, eye_px_.y)),
+      settings_.gaze == MabGaze::fixed ? "" : "; while the gaze is straight ahead");
 }
 
 }  // namespace brace

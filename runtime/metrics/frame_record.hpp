@@ -59,6 +59,15 @@ struct FrameRecord {
   std::array<double, 3> angular_error_vector_rad{std::numeric_limits<double>::quiet_NaN(),
                                                  std::numeric_limits<double>::quiet_NaN(),
                                                  std::numeric_limits<double>::quiet_NaN()};
+  /// Where the eyes truly look at photon_mid, as tangents right and up in the head frame; and the angle from
+  /// there to the gaze that was known when the eye frame was started. NaN in runs without gaze.
+  double gaze_x = std::numeric_limits<double>::quiet_NaN();
+  double gaze_y = std::numeric_limits<double>::quiet_NaN();
+  double gaze_error_rad = std::numeric_limits<double>::quiet_NaN();
+  /// RMS error of the pixels by what the eye resolves there with the true gaze (straight ahead without gaze),
+  /// 0 .. 1; measured with dssim.
+  double weighted_rmse_left = std::numeric_limits<double>::quiet_NaN();
+  double weighted_rmse_right = std::numeric_limits<double>::quiet_NaN();
 };
 
 }  // namespace brace

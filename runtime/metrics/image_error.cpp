@@ -279,4 +279,22 @@ PixelError pixel_error(const ImageRgbaF& shown, const ImageRgbaF& reference,
   return {rmse, std::isnan(rmse) ? nan : largest, psnr_db_of(rmse)};
 }
 
+double weighted_rmse(const ImageRgba8& shown, const ImageRgba8& reference, std::span<const float> weights) {
+  require_same_size(shown, reference, {});
+  if (weights.size() != shown.pixels.size()) {
+    throw input_error("image error: {} weights for a picture of {}x{} = {} pixels; both must be equal",
+                      weights.size(), shown.width_px, shown.height_px, shown.pixels.size());
+  }
+  double sum = 0.0, weight = 0.0;
+  for (std::size_t i = 0; i < shown.pixels.size(); ++i) {
+    const Rgba8 s = shown.pixels[i];
+    const Rgba8 r = reference.pixels[i];
+    const int dr = s.r - r.r, dg = s.g - r.g, db = s.b - r.b;
+    const double w = weights[i];
+    sum += w * (dr * dr + dg * dg + db * db);
+    weight += w;
+  }
+  return std::sqrt(sum / (channels * weight)) / 255.0;
+}
+
 }  // namespace brace

@@ -61,4 +61,8 @@ PixelError pixel_error(const ImageRgba8& shown, const ImageRgba8& reference,
 PixelError pixel_error(const ImageRgbaF& shown, const ImageRgbaF& reference,
                        std::span<const std::uint8_t> visible = {});
 
+/// Root of the mean squared difference of all channels, each pixel by its weight: one per pixel, row-major,
+/// not negative. NaN where they sum up to 0.
+double weighted_rmse(const ImageRgba8& shown, const ImageRgba8& reference, std::span<const float> weights);
+
 }  // namespace brace

@@ -7,6 +7,7 @@
 #include "runtime/metrics/image_error.hpp"
 #include "runtime/metrics/pacing.hpp"
 #include "runtime/replay/cast_integrator.hpp"
+#include "runtime/replay/gaze_source.hpp"
 #include "runtime/replay/panel_display.hpp"
 #include "runtime/replay/series.hpp"
 #include "runtime/replay/series_work.hpp"
@@ -77,6 +78,7 @@ const PlanTrials::Pictures& PlanTrials::pictures_of(const Session& given, bool c
   const HeadTrace trace = load_head_trace(session.trace, options_.data_folder);
   HeadMotion head(trace.trace, sim::Interpolation::hermite, headset.profile.tracker, session.run.seed,
                   session.trace.loop, trace.trace.begin_time() + from_s(session.trace.start_s));
+  std::optional<GazeMotion> gaze = make_gaze(session, trace.trace, head);
   const VolumePlacement placement = place_volume(session.scene, head.true_pose(SimTime()));
   const auto scene = load_scene(device, session, options_, headset, placement);
   EyeRenderer renderer(device, session, headset, *scene, placement, options_.data_folder,
@@ -91,6 +93,7 @@ const PlanTrials::Pictures& PlanTrials::pictures_of(const Session& given, bool c
   for (int i = 0; i < pictures; ++i) {
     const SimTime time = std::min(clock.time_of(last * i / (pictures - 1)), head.end_time());
     const Pose pose = head.true_pose(time);
+    if (gaze) renderer.look_at(gaze->known_at(time));
     renderer.render(pose, eyes);
     display.show({eyes, pose, pose});
     made->panels.push_back(display.read());

@@ -15,12 +15,11 @@ bool is_native(const Session& session, const char* family) {
   return session.pipeline.at(family).stage.native != nullptr;
 }
 
-CastKernels session_kernels(const Session& session, const SceneOnDevice& scene,
+CastKernels session_kernels(const Session& session, const SceneOnDevice& scene, const PipelineStage& rays,
                             const VolumePlacement& placement, const std::filesystem::path& data_folder,
                             bool counters, bool emits, bool layers,
                             EyeRenderer::RayHeat heat = EyeRenderer::RayHeat::none) {
-  std::vector<const PipelineStage*> stages = {&session.pipeline.at("rays"), &session.pipeline.at("cast"),
-                                              &scene.skip_stage};
+  std::vector<const PipelineStage*> stages = {&rays, &session.pipeline.at("cast"), &scene.skip_stage};
   if (emits) stages.push_back(&session.pipeline.at("stereo"));
   if (layers) stages.push_back(&session.pipeline.at("warp"));
   StageGlsl glsl = stage_glsl(stages);
@@ -32,8 +31,8 @@ CastKernels session_kernels(const Session& session, const SceneOnDevice& scene,
   parts.phong = session.scene.shading == "phong";
   parts.sampled = sampled_shading(session.scene, placement, scene.step_units);
   parts.counters = counters;
-  parts.layers_by_ray = layers && session.pipeline.at("rays").stage.id() == "rays/mab";
-  parts.native_rays = is_native(session, "rays");
+  parts.layers_by_ray = (layers || (emits && is_by_novel_view(session))) && rays.stage.id() == "rays/mab";
+  parts.native_rays = rays.stage.native != nullptr;
   parts.native_cast = is_native(session, "cast");
   CastKernels kernels = compose_cast_kernels(parts, scene.volume);
   if (heat != EyeRenderer::RayHeat::none) {
@@ -141,8 +140,9 @@ EyeRenderer::EyeRenderer(const gpu::Device& device, const Session& session, cons
       placement_(placement),
       counting_(counting),
       makes_layers_(layers == Layers::as_session && takes_layers(session.pipeline.at("warp"))),
-      pipeline_(device, session_kernels(session, scene, placement, data_folder, counting == Counting::on,
-                                        !is_single_pass(session), makes_layers_, heat)),
+      pipeline_(device,
+                session_kernels(session, scene, session.pipeline.at("rays"), placement, data_folder,
+                                counting == Counting::on, !is_single_pass(session), makes_layers_, heat)),
       mab_(make_mab(device, session, headset)),
       own_rays_(mab_ ? RayBuffers()
                      : RayBuffers(device, headset.eye.width_px, headset.eye.height_px, guard_bytes(session))),
@@ -156,8 +156,10 @@ EyeRenderer::EyeRenderer(const gpu::Device& device, const Session& session, cons
   if (second_eye == SecondEye::ray_cast || !is_single_pass(session)) return;
   single_pass_ =
       make_single_pass({device, session, headset, scene, placement, data_folder}, [&](bool with_snippet) {
-        return session_kernels(session, scene, placement, data_folder, counting == Counting::on, with_snippet,
-                               false);
+        const bool own_rays = with_snippet || !is_by_novel_view(session) || !session.full_rate;
+        const PipelineStage& rays = own_rays ? session.pipeline.at("rays") : *session.full_rate;
+        return session_kernels(session, scene, rays, placement, data_folder, counting == Counting::on,
+                               with_snippet, false);
       });
 }
 
@@ -296,7 +298,7 @@ JobOutcome EyeRenderer::render_cells(const Pose& world_from_head, const EyePair&
   if (single_pass_) {
     const SinglePass::Cells of_single_pass{cells.cuts.empty() ? even : cells.cuts[0], cells_};
     if (const std::optional<JobOutcome> outcome =
-            single_pass_->render(world_from_head, into, &of_single_pass))
+            single_pass_->render(world_from_head, into, quality, &of_single_pass))
       return *outcome;
   }
   if (mab_) mab_->set_quality(quality);
@@ -334,7 +336,8 @@ JobOutcome EyeRenderer::render_by_line(const ScanPoses& world_from_head, const E
 
 JobOutcome EyeRenderer::render(const Pose& world_from_head, const EyePair& into, double quality) {
   if (single_pass_) {
-    if (const std::optional<JobOutcome> outcome = single_pass_->render(world_from_head, into, nullptr)) {
+    if (const std::optional<JobOutcome> outcome =
+            single_pass_->render(world_from_head, into, quality, nullptr)) {
       step_times_ = {.cast = outcome->device_time};
       return *outcome;
     }

@@ -75,6 +75,12 @@ class EyeRenderer {
   /// of ScanLineRays::opening.
   JobOutcome render_by_line(const ScanPoses& world_from_head, const EyePair& into);
 
+  /// Where the eyes look from the next frame on, in the head frame: for rays/mab with a gaze that moves.
+  void look_at(const glm::dvec3& gaze) {
+    if (mab_) mab_->look_at(gaze);
+    if (single_pass_) single_pass_->look_at(gaze);
+  }
+
   /// Call after the scene's transfer function has changed: native stages, which have it from their
   /// activation, are activated anew.
   void transfer_changed();

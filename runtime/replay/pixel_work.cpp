@@ -23,6 +23,7 @@ PixelWork::PixelWork(const Inputs& inputs)
     slot = make_eye_pair(inputs.device, inputs.session, inputs.headset);
   if (!error_at_.any()) return;
   ideal_.emplace(in_.device, in_.session, in_.headset, in_.scene, in_.placement, in_.options);
+  gaze_weights_.emplace(in_.headset);
   for (const sim::Eye eye : sim::all_eyes) {
     visible_[static_cast<std::size_t>(eye)] = visible_pixels(in_.headset, eye);
   }
@@ -41,6 +42,7 @@ JobOutcome PixelWork::update(const UpdateRequest& request) {
 
 JobOutcome PixelWork::cast(const CastRequest& request) {
   const EyePair& eyes = slots_[static_cast<std::size_t>(request.slot)];
+  renderer_.look_at(request.gaze);
   if (request.cell_columns == 0) return renderer_.render(request.world_from_head, eyes, request.quality);
   return renderer_.render_cells(request.world_from_head, eyes, request.quality,
                                 {request.cell_columns, request.cell_rows, request.cuts});
@@ -78,8 +80,13 @@ ShowOutcome PixelWork::measure_error(const ShowRequest& request) {
   show_ideal_transfer(request.transfer_version);
   const PanelPair ideal = ideal_->show(request.true_world_from_head, request.true_scan);
   if (!ideal_->has_own_scene()) show_ideal_transfer(shown_version);  // what is cast next still shows it
+  const auto weighted = [&](sim::Eye eye) {
+    const auto i = static_cast<std::size_t>(eye);
+    return weighted_rmse(shown_[i], ideal[i], gaze_weights_->of(eye, request.true_gaze));
+  };
   return {dssim_from_ssim(ssim(shown_[0], ideal[0], visible_[0])),
-          dssim_from_ssim(ssim(shown_[1], ideal[1], visible_[1]))};
+          dssim_from_ssim(ssim(shown_[1], ideal[1], visible_[1])), weighted(sim::Eye::left),
+          weighted(sim::Eye::right)};
 }
 
 void PixelWork::keep_pictures(std::int64_t vsync_index) {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "runtime/frame/frame_work.hpp"
+#include "runtime/replay/gaze_source.hpp"
 #include "runtime/replay/ideal_picture.hpp"
 #include "runtime/replay/panel_display.hpp"
 #include "runtime/replay/vsync_selection.hpp"
@@ -57,6 +58,7 @@ class PixelWork final : public FrameWork {
   PanelPair waiting_, shown_;          // of the last warp; of the panels
   std::optional<IdealPicture> ideal_;  // of the errors
   std::array<std::vector<std::uint8_t>, 2> visible_;
+  std::optional<GazeWeights> gaze_weights_;  // where errors are measured
   std::vector<EyePicture> pictures_;
 };
 

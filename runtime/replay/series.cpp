@@ -4,6 +4,7 @@
 #include <optional>
 
 #include "base/error.hpp"
+#include "runtime/replay/gaze_source.hpp"
 #include "runtime/replay/series_facts.hpp"
 #include "runtime/replay/series_work.hpp"
 #include "runtime/replay/stage_instance.hpp"
@@ -47,6 +48,7 @@ std::optional<ChunkedParams> chunked_params(const PipelineStage& schedule) {
   params.bias = schedule.value("bias");
   if (schedule.value("reserve_ms") > 0.0) params.reserve = from_s(schedule.value("reserve_ms") * 1e-3);
   params.cell_overhead = from_s(schedule.value("cell_overhead_us") * 1e-6);
+  params.give_up_periods = static_cast<int>(schedule.value("give_up_periods"));
   return params;
 }
 
@@ -165,6 +167,7 @@ Series replay_series(const LabelledSession& labelled, const ReplayOptions& optio
     throw input_error("{}: 'trace.loop' runs without end; say how long with 'run.frames' or --frames",
                       session.file.string());
   }
+  std::optional<GazeMotion> gaze = make_gaze(session, head_trace.trace, head);
   const std::int64_t vsyncs = vsync_count(session, headset, head);
   const VolumePlacement placement = place_volume(session.scene, head.true_pose(SimTime()));
 
@@ -172,8 +175,8 @@ Series replay_series(const LabelledSession& labelled, const ReplayOptions& optio
   const std::unique_ptr<CostSource> cost = make_cost(session, options.data_folder, cost_stage);
   series.deterministic = cost->deterministic();
 
-  SeriesWork work =
-      make_work({session, options, headset, head, placement, device, vsyncs, run, labelled.label});
+  SeriesWork work = make_work({session, options, headset, head, placement, device, vsyncs, run,
+                               labelled.label, gaze ? &*gaze : nullptr});
   apply_skip_choice(work, series);
   series.facts.insert(series.facts.end(), work.facts.begin(), work.facts.end());
   series.left_out.insert(series.left_out.end(), work.left_out.begin(), work.left_out.end());
@@ -190,9 +193,15 @@ Series replay_series(const LabelledSession& labelled, const ReplayOptions& optio
       {&control.control_functions(), control.self(), control.place(), control.last_error()},
       *cost,
       *work.frame_work,
-      sink};
+      sink,
+      gaze ? &*gaze : nullptr};
   run_until_failure(config, inputs, series);
   sink.finish();
+  if (config.chunked && config.chunked->give_up_periods > 0) {
+    series.facts.push_back({"eye frames given up",
+                            fmt::format("{} of {} started: load control wanted fewer rays",
+                                        series.loop.eye_frames_given_up, series.loop.eye_frames_started)});
+  }
   series.jobs = series.records.jobs_by_submission();
   if (work.watchdog != nullptr) series.faults = find_faults(*work.watchdog, session, headset, series.jobs);
   if (work.pixels != nullptr) {

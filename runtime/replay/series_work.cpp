@@ -83,6 +83,7 @@ CountedWork probe_work(const SeriesWorkInputs& in, EyeRenderer& renderer, SceneO
       renderer.transfer_changed();
     }
     const Pose pose = head.true_pose(time);
+    if (in.gaze != nullptr) renderer.look_at(in.gaze->known_at(time));
     WorkProbe probe = probe_cast(in.session, renderer, pose, eyes);
     probe.time = time;
     probe.warp = display.counts_work() ? display.show({eyes, pose, pose}).work : display.work();

@@ -21,6 +21,7 @@ struct SeriesWorkInputs {
   std::int64_t vsyncs;        // of the whole run
   RunDirectory& run;
   const std::string& label;
+  GazeMotion* gaze = nullptr;  // none: straight ahead
 };
 
 /// The work behind the frame loop of one session.

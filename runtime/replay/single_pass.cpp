@@ -10,6 +10,10 @@ namespace brace {
 
 namespace {
 
+bool is_by_atlas(const Session& session) {
+  return session.pipeline.at("rays").stage.id() == "rays/mab";
+}
+
 void require_stages(const Session& session) {
   const std::string stereo = session.pipeline.at("stereo").stage.id();
   if (session.run.watchdog != WatchdogLevel::off) {
@@ -18,11 +22,14 @@ void require_stages(const Session& session) {
         to_string(session.run.watchdog), stereo);
   }
   const StageInfo& rays = session.pipeline.at("rays").stage;
-  if (rays.id() != "rays/full_rate") {
+  const bool by_atlas = is_by_novel_view(session) && is_by_atlas(session) && session.full_rate;
+  if (rays.id() != "rays/full_rate" && !by_atlas) {
     throw input_error(
-        "{} does not work with {}: its layers need a ray per pixel; accepted: rays/full_rate, or "
-        "stereo/two_pass",
-        stereo, rays.id());
+        "{} does not work with {}: its layers need a ray per pixel, which it writes to the right eye's "
+        "pixels "
+        "row by row; accepted: rays/full_rate, or stereo/two_pass{}",
+        stereo, rays.id(),
+        is_by_novel_view(session) ? ", or rays/mab" : ", or with rays/mab stereo/novel_view");
   }
   const StageInfo& cast = session.pipeline.at("cast").stage;
   const auto& outputs = cast.outputs;
@@ -143,7 +150,7 @@ ByLayers::ByLayers(const Inputs& in, const StereoPlan& plan, const CastKernels& 
 }
 
 std::optional<JobOutcome> ByLayers::render(const Pose& world_from_head, const EyePair& into,
-                                           const Cells* cells) {
+                                           double /*quality*/, const Cells* cells) {
   const EyeViews eyes = views_of(headset_, world_from_head);
   ++frames_;
   if (!layers_.begin_frame(eyes, scene_.volume.info(), placement_)) {
@@ -281,6 +288,47 @@ const Session& checked(const Session& session) {
   return session;
 }
 
+/// The eye that is cast with the rays beside its picture as an eye of its own, a pixel per ray.
+EyeView wide_view(const EyeView& eye, const RayGrid& grid) {
+  const double dx = (eye.tan_right - eye.tan_left) / eye.width_px;
+  const double dy = (eye.tan_top - eye.tan_bottom) / eye.height_px;
+  EyeView wide = eye;
+  wide.tan_left = eye.tan_left - grid.left * dx;
+  wide.tan_right = wide.tan_left + grid.across * dx;
+  wide.tan_top = eye.tan_top + grid.top * dy;
+  wide.tan_bottom = wide.tan_top - grid.down * dy;
+  wide.width_px = grid.across;
+  wide.height_px = grid.down;
+  return wide;
+}
+
+/// An atlas over the wide picture. The plan's second eye is the same one: it casts nothing.
+std::unique_ptr<MabBraces> wide_mab(const SinglePass::Inputs& in, const RayGrid& grid, bool middle) {
+  if (!is_by_atlas(in.session)) return nullptr;
+  const Headset& headset = in.headset;
+  const EyeView wide = wide_view(reference_of(views_of(headset, Pose{}), middle), grid);
+  sim::DeviceProfile profile = headset.profile;
+  profile.eyes[0].fov = {wide.tan_left, wide.tan_right, wide.tan_bottom, wide.tan_top};
+  profile.eyes[1] = profile.eyes[0];
+  const MabPlan::Sizes sizes{.eye_px = {grid.across, grid.down},
+                             .panel_px = {headset.panel.width_px, headset.panel.height_px},
+                             .resolution_scale = in.session.device.resolution_scale};
+  return std::make_unique<MabBraces>(in.device,
+                                     MabPlan(mab_settings(in.session.pipeline.at("rays")), profile, sizes));
+}
+
+EyeTarget wide_target(const SinglePass::Inputs& in, const RayGrid& grid, const MabBraces* mab) {
+  if (mab == nullptr) return {};
+  const int layers = static_cast<int>(in.session.pipeline.at("stereo").value("layers"));
+  return {in.device, grid.across, grid.down, {layers, mab->plan().capacity()}};
+}
+
+RayBuffers ray_buffers(const SinglePass::Inputs& in, const RayGrid& grid) {
+  const PictureSize& eye = in.headset.eye;
+  return is_by_atlas(in.session) ? RayBuffers(in.device, eye.width_px, eye.height_px)
+                                 : RayBuffers(in.device, grid.across, grid.down);
+}
+
 }  // namespace
 
 NovelViewMemory novel_view_memory(const Session& session, const Headset& headset) {
@@ -300,49 +348,78 @@ ByNovelView::ByNovelView(const Inputs& in, const CastKernels& kernels, const Cas
       placement_(in.placement),
       middle_(checked(in.session).pipeline.at("stereo").value("reference") == 1.0),
       grid_(grid_with_margins(in.headset, in.session.pipeline.at("stereo").value("near_m"), middle_)),
+      mab_(wide_mab(in, grid_, middle_)),
+      wide_(wide_target(in, grid_, mab_.get())),
       pipeline_(in.device, kernels),
-      rays_(in.device, grid_.across, grid_.down),
-      layers_(layer_buffer(in.device, grid_, in.session.pipeline.at("stereo"))),
-      view_(in.device, in.session.pipeline.at("stereo"), hole_folders(in), false, true),
+      rays_(ray_buffers(in, grid_)),
+      layers_(mab_ ? gpu::Buffer() : layer_buffer(in.device, grid_, in.session.pipeline.at("stereo"))),
+      view_(in.device, in.session.pipeline.at("stereo"), hole_folders(in), mab_ != nullptr, true),
       holes_(in.device, plain, in.headset.eye.width_px, in.headset.eye.height_px, hole_folders(in)),
       box_{in.placement.world_from_volume,
            box_size_with_longest_edge(in.scene.volume.info(), in.placement.size_m)} {
   if (middle_) reference_.emplace(in.device, in.headset.eye.width_px, in.headset.eye.height_px);
 }
 
+void ByNovelView::bind() {
+  const auto skip = scene_.skip_bindings();
+  bindings_.assign(skip.begin(), skip.end());
+  bindings_.push_back(layers_binding(mab_ ? wide_.layers : layers_));
+  if (!mab_) return;
+  bindings_.push_back(layer_rays_binding(wide_));
+  const auto of_atlas = mab_->bindings(sim::Eye::left);
+  bindings_.insert(bindings_.end(), of_atlas.begin(), of_atlas.end());
+}
+
 CastPipeline::Resources ByNovelView::resources_of(const EyeTarget& target) const {
-  return {scene_.volume, scene_.transfer, rays_, target, bindings_};
+  return {scene_.volume, scene_.transfer, mab_ ? mab_->rays() : rays_, target, bindings_, {}, ray_grid()};
+}
+
+LayerSource ByNovelView::layer_source_of(const EyeView& reference) const {
+  if (mab_) return layer_source(wide_, wide_view(reference, grid_));
+  return {layers_, reference, grid_};
+}
+
+/// The cast eye's own picture out of the wide one.
+void ByNovelView::cut_out(const EyeTarget& into) {
+  const auto bytes = [](int pixels) { return static_cast<std::uint64_t>(pixels) * 4; };
+  for (int row = 0; row < into.height_px; ++row) {
+    const std::uint64_t from = bytes((row + grid_.top) * grid_.across + grid_.left);
+    commands_.copy(wide_.image, into.image, bytes(into.width_px), from, bytes(row * into.width_px));
+    commands_.copy(wide_.depth, into.depth, bytes(into.width_px), from, bytes(row * into.width_px));
+  }
 }
 
 void ByNovelView::record_view(const EyeView& reference, const EyeView& eye, const EyeTarget& into) {
   CastPipeline::set_eye(device_, into, eye, placement_, scene_.volume, scene_.transfer, holes_.grid());
   commands_.begin_timing("stereo");
-  view_.record(commands_, {layers_, reference, grid_}, eye, into, box_, &holes_.holes());
+  view_.record(commands_, layer_source_of(reference), eye, into, box_, &holes_.holes());
   holes_.record(commands_, {scene_.volume, scene_.transfer, rays_, into, bindings_, {}, holes_.grid()});
   commands_.end_timing();
 }
 
 std::optional<JobOutcome> ByNovelView::render(const Pose& world_from_head, const EyePair& into,
-                                              const Cells* cells) {
+                                              double quality, const Cells* cells) {
   const EyeViews eyes = views_of(headset_, world_from_head);
   const EyeView reference = reference_of(eyes, middle_);
   ++frames_;
-  const EyeTarget& cast_into = middle_ ? *reference_ : into[0];
-  CastPipeline::set_eye(device_, cast_into, reference, placement_, scene_.volume, scene_.transfer, grid_);
-  const auto skip = scene_.skip_bindings();
-  bindings_.assign(skip.begin(), skip.end());
-  bindings_.push_back(layers_binding(layers_));
+  if (mab_) mab_->set_quality(quality);
+  const EyeTarget& cast_into = mab_ ? wide_ : middle_ ? *reference_ : into[0];
+  CastPipeline::set_eye(device_, cast_into, mab_ ? wide_view(reference, grid_) : reference, placement_,
+                        scene_.volume, scene_.transfer, ray_grid());
+  bind();
   holes_.reset_counters();
   const CastPipeline::Resources resources = resources_of(cast_into);
-  cast_rays(pipeline_, resources, {0, 0, grid_.across, grid_.down}, cells);
+  cast_rays(pipeline_, resources, {0, 0, resources.rays_across(), resources.rays_down()}, cells);
   SimDuration first_view{0};
-  if (middle_) {
-    record_view(reference, eyes.left, into[0]);
-    first_view = submit();  // the next view has the same parameters
-  } else {
+  if (!middle_ || mab_) {  // with an atlas it says whose layers a pixel has, too
     step("closing", [&] {
       pipeline_.record_closing(commands_, resources, {0, 0, cast_into.width_px, cast_into.height_px});
     });
+  }
+  if (mab_ && !middle_) step("closing", [&] { cut_out(into[0]); });
+  if (middle_) {
+    record_view(reference, eyes.left, into[0]);
+    first_view = submit();  // the next view has the same parameters
   }
   record_view(reference, eyes.right, into[1]);
   JobOutcome outcome = finish([&] { return work_of_frame(cells); }, cells);

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "base/error.hpp"
 #include "runtime/metrics/pacing.hpp"
@@ -32,9 +33,10 @@ std::vector<double> measured(std::span<const FrameRecord> records, double FrameR
 }
 
 // Values of both eyes together at the top, each eye's own below.
-Json dssim_json(std::span<const FrameRecord> records) {
-  const std::vector<double> left = measured(records, &FrameRecord::dssim_left);
-  const std::vector<double> right = measured(records, &FrameRecord::dssim_right);
+Json eyes_json(std::span<const FrameRecord> records, double FrameRecord::*of_left,
+               double FrameRecord::*of_right) {
+  const std::vector<double> left = measured(records, of_left);
+  const std::vector<double> right = measured(records, of_right);
   std::vector<double> both = left;
   both.insert(both.end(), right.begin(), right.end());
   Json json = distribution_json(distribution_of(both));
@@ -144,7 +146,13 @@ Json figures_json(const RunSeries& series) {
                       {"warp", real(gpu.warp_ms)}};
   }
   if (series.stereo_layer_mib) json["stereo_layer_mib"] = real(*series.stereo_layer_mib);
-  json["dssim"] = dssim_json(series.records);
+  json["dssim"] = eyes_json(series.records, &FrameRecord::dssim_left, &FrameRecord::dssim_right);
+  json["weighted_rmse"] =
+      eyes_json(series.records, &FrameRecord::weighted_rmse_left, &FrameRecord::weighted_rmse_right);
+  std::vector<double> gaze_error_deg = measured(series.records, &FrameRecord::gaze_error_rad);
+  for (double& value : gaze_error_deg)
+    value *= 180.0 / std::numbers::pi;
+  json["gaze_error_deg"] = distribution_json(distribution_of(gaze_error_deg));
   json["angular_error_deg"] = distribution_json(pacing.angular_error_deg);
   json["position_error_mm"] = distribution_json(pacing.position_error_mm);
   json["animation_error_ms"] = distribution_json(pacing.animation_error_ms);

@@ -8,6 +8,7 @@
 
 #include "base/error.hpp"
 #include "base/suggest.hpp"
+#include "runtime/session/gaze_keys.hpp"
 #include "runtime/session/mab_level_items.hpp"
 #include "runtime/session/plan_keys.hpp"
 #include "runtime/session/session_paths.hpp"
@@ -41,7 +42,8 @@ double neck_number(const SessionTable& table, const char* key, double fallback, 
 }
 
 Session::Trace::Neck read_neck(const SessionTable& table) {
-  static const std::vector<std::string> motions = {"rotation", "translation", "natural", "still", "spin"};
+  static const std::vector<std::string> motions = {"rotation", "translation", "natural",
+                                                   "still",    "spin",        "inspect"};
   const toml::table& neck_table = *table.node("trace.neck")->as_table();
   reject_unknown_keys(neck_table, table.file(), "trace.neck",
                       {"motion", "degrees", "metres", "seconds", "seed"});
@@ -453,11 +455,15 @@ Session parse_session(const std::string& text, const std::string& file_name,
   session.name = std::filesystem::path(file_name).stem().string();
   session.device = read_device(table);
   session.trace = read_trace(table, folder);
+  session.gaze = read_gaze(table);
   session.scene = read_scene(table, folder);
   session.clock = read_clock(table, folder);
   session.pipeline = read_pipeline(table, stages);
   if (session.pipeline.at("skip").stage.name == "auto")
     session.skip_candidates = read_skip_candidates(table, stages);
+  for (const StageInfo& stage : stages.stages()) {
+    if (stage.id() == "rays/full_rate") session.full_rate = {stage, stage_values(table, stage)};
+  }
   session.output.images = read_selection(table, "output.images");
   session.output.error = read_selection(table, "output.error");
   session.output.converged_ideal = table.choice("output.ideal") == "converged";

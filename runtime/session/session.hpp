@@ -43,6 +43,14 @@ struct Session {
     double start_s = 0.0;
   } trace;
 
+  struct Gaze {
+    struct Point {
+      double at_s = 0.0, x = 0.0, y = 0.0;  // tangents in the head frame
+    };
+    std::vector<Point> script;  // empty: what the trace says
+    double latency_ms = 36.0;   // of the eye tracker
+  } gaze;
+
   struct Scene {
     std::string volume;             // absolute path, or generator:NAME:SIZE
     std::string transfer_function;  // preset name or absolute path
@@ -92,6 +100,9 @@ struct Session {
   std::map<std::string, PipelineStage> pipeline;
   /// With pipeline.skip = "auto": the GLSL skip stages that it may become, with this session's parameters.
   std::vector<PipelineStage> skip_candidates;
+  /// rays/full_rate, for rays that a stage casts one per pixel whatever pipeline.rays says; empty if there is
+  /// none.
+  std::optional<PipelineStage> full_rate;
 
   struct Output {
     struct Selection {  // of vsyncs

@@ -17,6 +17,11 @@ const std::vector<SessionKey>& session_keys() {
       {"trace.strict", "flag", "false", "", "refuse a trace that would need repair"},
       {"trace.loop", "flag", "false", "", "start again at the end of the trace"},
       {"trace.start_s", "number", "0.0", "0 to 1e9", "seconds of the trace to leave out at its start"},
+      {"gaze.script", "list", "", "[seconds, x, y], …",
+       "where the eyes look: tangents to the right and up in the head frame, straight from one place to the "
+       "next, the same time twice is a jump; default: what the trace says, or straight ahead"},
+      {"gaze.latency_ms", "number", "36.0", "0 to 1000",
+       "from an eye's movement until the renderer knows (15 to 50 in headsets, Stein et al. 2021)"},
       {"scene.volume", "text", "", "", "a volume file, or generator:NAME:SIZE (see `brace list generators`)"},
       {"scene.transfer_function", "text", "'mri-brain'", "", "a preset or a TOML file"},
       {"scene.shading", "text", "'none'", "none|phong|shadow_ao|random_lights",

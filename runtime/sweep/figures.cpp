@@ -22,7 +22,7 @@ struct SummaryFigure {
   const char* pointer;  // into summary.json
 };
 
-constexpr std::array<SummaryFigure, 28> summary_figures{{
+constexpr std::array<SummaryFigure, 31> summary_figures{{
     {"vsyncs", "/vsyncs"},
     {"missed_vsyncs", "/missed_vsyncs"},
     {"missed_ratio", "/missed_ratio"},
@@ -51,6 +51,9 @@ constexpr std::array<SummaryFigure, 28> summary_figures{{
     {"position_error_mm_p50", "/position_error_mm/p50"},
     {"position_error_mm_max", "/position_error_mm/max"},
     {"stereo_layer_mib", "/stereo_layer_mib"},
+    {"weighted_rmse_mean", "/weighted_rmse/mean"},
+    {"weighted_rmse_max", "/weighted_rmse/max"},
+    {"gaze_error_deg_p95", "/gaze_error_deg/p95"},
 }};
 
 struct WorkFigure {

@@ -9,6 +9,8 @@ brace_test(frame_test LABEL unit
     ${CMAKE_CURRENT_LIST_DIR}/frame/frame_loop_extremes_test.cpp
     ${CMAKE_CURRENT_LIST_DIR}/frame/frame_loop_replay_test.cpp
     ${CMAKE_CURRENT_LIST_DIR}/frame/frame_loop_test.cpp
+    ${CMAKE_CURRENT_LIST_DIR}/frame/gaze_motion_test.cpp
+    ${CMAKE_CURRENT_LIST_DIR}/frame/give_up_test.cpp
     ${CMAKE_CURRENT_LIST_DIR}/frame/head_motion_test.cpp
     ${CMAKE_CURRENT_LIST_DIR}/frame/load_control_test.cpp
     ${CMAKE_CURRENT_LIST_DIR}/frame/pacing_test.cpp

@@ -1,5 +1,6 @@
 brace_test(hmd_sim_test LABEL unit LIBRARIES brace::hmd_sim SOURCES
   ${CMAKE_CURRENT_LIST_DIR}/hmd_sim/device_profile_test.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/hmd_sim/gaze_test.cpp
   ${CMAKE_CURRENT_LIST_DIR}/hmd_sim/generators_test.cpp
   ${CMAKE_CURRENT_LIST_DIR}/hmd_sim/kalman_predictor_test.cpp
   ${CMAKE_CURRENT_LIST_DIR}/hmd_sim/lens_profiles_test.cpp

@@ -3,4 +3,5 @@ brace_test(mab_test LABEL unit LIBRARIES brace::mab SOURCES
   ${CMAKE_CURRENT_LIST_DIR}/mab/level_map_test.cpp
   ${CMAKE_CURRENT_LIST_DIR}/mab/level_weights_test.cpp
   ${CMAKE_CURRENT_LIST_DIR}/mab/live_texels_test.cpp
-  ${CMAKE_CURRENT_LIST_DIR}/mab/mab_plan_test.cpp)
+  ${CMAKE_CURRENT_LIST_DIR}/mab/mab_plan_test.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/mab/mab_property_test.cpp)

@@ -7,6 +7,7 @@
 #include <fmt/core.h>
 
 #include "base/error.hpp"
+#include "runtime/mab/mab_plan.hpp"
 #include "runtime/replay/series_facts.hpp"
 #include "runtime/volume/write_transfer_function.hpp"
 #include "tools/command.hpp"
@@ -359,6 +360,12 @@ Session first_session(const LiveCommand& command, const Overrides& overrides, co
     throw input_error(
         "{}: plan.leave_out = 'auto' plans a run; accepted by live: idle, none, or the items that "
         "`brace plan` names",
+        command.session.string());
+  if (const PipelineStage& rays = session.pipeline.at("rays");
+      rays.stage.id() == "rays/mab" && mab_settings(rays).gaze != MabGaze::fixed)
+    throw input_error(
+        "{}: rays/mab follows a gaze, but live does not know where you look; accepted by live: "
+        "stage.mab.gaze = 'fixed'",
         command.session.string());
   return session;
 }

@@ -13,6 +13,9 @@ layout(std430, set = 0, binding = 27) readonly buffer BraceMabCoordinates { floa
 // f_alpha: 256 entries per level.
 layout(std430, set = 0, binding = 28) readonly buffer BraceMabWeights { float brace_mab_weights[]; };
 
+// Per entry but the last: first | last << 8 of the levels that have a share up to the next one.
+layout(std430, set = 0, binding = 29) readonly buffer BraceMabRanges { uint brace_mab_ranges[]; };
+
 #define MAB_NONE 0xffffffffu
 
 #if defined(BRACE_KERNEL_OPENING)
@@ -35,11 +38,23 @@ struct MabSum {
   float hit_share, hit_depth_m;  // depths of the rays that hit something, weighted
 };
 
-float mab_share(uint level, float coordinate) {
-  const float place = coordinate * 255.0;
+// Where a pixel stands in the weight table, and the levels that it is put together from: mostly one. Loops over
+// them end there on every device; a branch around a level would run in full on some.
+struct MabPlace {
+  uint entry, first, last;
+  float t;
+};
+
+MabPlace mab_place(uvec2 pixel) {
+  const float place = brace_mab_coordinates[pixel.y * brace_eye.grid.z + pixel.x] * 255.0;
   const uint entry = min(uint(place), 254u);
-  const float low = brace_mab_weights[level * 256u + entry];
-  return low + (place - float(entry)) * (brace_mab_weights[level * 256u + entry + 1u] - low);
+  const uint range = brace_mab_ranges[entry];
+  return MabPlace(entry, range & 0xffu, range >> 8, place - float(entry));
+}
+
+float mab_share(uint level, MabPlace place) {
+  const uint at = level * 256u + place.entry;
+  return brace_mab_weights[at] + place.t * (brace_mab_weights[at + 1u] - brace_mab_weights[at]);
 }
 
 void mab_add(inout MabSum sum, uint level, ivec2 texel, float share) {
@@ -81,11 +96,11 @@ void mab_add_level(inout MabSum sum, uint level, uvec2 pixel, float share) {
 
 // The ray of the nearest texel of the level with the largest share.
 uint brace_layer_ray(uvec2 pixel) {
-  const float coordinate = brace_mab_coordinates[pixel.y * brace_eye.grid.z + pixel.x];
-  uint largest = 0u;
+  const MabPlace place = mab_place(pixel);
+  uint largest = place.first;
   float most = -1.0;
-  for (uint level = 0u; level < brace_mab.counts.x; ++level) {
-    const float share = mab_share(level, coordinate);
+  for (uint level = place.first; level <= place.last; ++level) {
+    const float share = mab_share(level, place);
     if (share > most) {
       most = share;
       largest = level;
@@ -98,10 +113,10 @@ uint brace_layer_ray(uvec2 pixel) {
 
 // The picture is the levels' mean by share; the depth that of the rays that hit, where they are half or more.
 void brace_close(uvec2 pixel, out vec4 colour, out float depth_m) {
-  const float coordinate = brace_mab_coordinates[pixel.y * brace_eye.grid.z + pixel.x];
+  const MabPlace place = mab_place(pixel);
   MabSum sum = MabSum(vec4(0.0), 0.0, 0.0);
-  for (uint level = 0u; level < brace_mab.counts.x; ++level) {
-    const float share = mab_share(level, coordinate);
+  for (uint level = place.first; level <= place.last; ++level) {
+    const float share = mab_share(level, place);
     if (share > 0.0) mab_add_level(sum, level, pixel, share);
   }
   // A cubic overshoots; what it is put together from does not.

@@ -66,7 +66,8 @@ struct Rig {
                                    .control = control,
                                    .cost = cost,
                                    .work = work != nullptr ? *work : counted,
-                                   .sink = sink});
+                                   .sink = sink,
+                                   .gaze = gaze});
   }
 
   /// With scripted costs.
@@ -87,6 +88,7 @@ struct Rig {
   const brace_stage_descriptor* predictor = &stages::predict_constant_rate;
   ControlStage control;
   FrameWork* work = nullptr;  // counted work if null
+  GazeMotion* gaze = nullptr;
   FrameLoopConfig config;
   FrameLoopResult result;  // of the last scripted run
 };

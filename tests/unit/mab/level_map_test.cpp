@@ -40,9 +40,51 @@ TEST(LevelMap, RadiusIsTheDistanceFromTheGazePointOverThatOfTheFarthestCorner) {
 TEST(LevelMap, WithoutALensEveryPixelIsOfUse) {
   const sim::EyeLens lens = sim::identity_lens(fov);
   const LevelCoordinates map = level_coordinates(LevelMap::lens, input_for(lens));
-  EXPECT_NEAR(map.demand_max, 1.0, 1e-9);
-  for (const float x : map.x)
-    ASSERT_NEAR(x, 0.0, 1e-6);
+  EXPECT_NEAR(map.demand_max, 1.0, 1e-3);
+  EXPECT_EQ(map.coordinate_of(0.98), 1.0) << "no pixel has less";
+  // All demands are equal: the radial map.
+  const LevelCoordinates radial = level_coordinates(LevelMap::radius, input_for(lens));
+  for (std::size_t i = 0; i < map.x.size(); ++i)
+    ASSERT_NEAR(map.x[i], radial.x[i], 0.02);
+}
+
+/// What is capped is equal: where the lens asks for more than a ray per pixel, the radial map as well.
+TEST(LevelMap, DemandBeyondTheFinestLevelIsOfNoUse) {
+  sim::EyeLens lens = sim::identity_lens(fov);
+  lens.kind = sim::LensKind::brown_conrady;
+  for (sim::LensChannel& channel : lens.rgb)
+    channel.k = {-0.1, 0, 0, 0, 0};  // denser towards the rim
+  LevelMapInput input = input_for(lens);
+  input.panel_width_px = input.panel_height_px = 200;
+  input.demand_cap = 1.0;
+  const LevelCoordinates map = level_coordinates(LevelMap::lens, input);
+  const LevelCoordinates radial = level_coordinates(LevelMap::radius, input);
+  for (std::size_t i = 0; i < map.x.size(); ++i)
+    ASSERT_NEAR(map.x[i], radial.x[i], 0.02);
+}
+
+TEST(LevelMap, CoordinatesOfDemandAreTheRadialOnesInItsOrder) {
+  sim::EyeLens lens = sim::identity_lens(fov);
+  lens.kind = sim::LensKind::brown_conrady;
+  for (sim::LensChannel& channel : lens.rgb)
+    channel.k = {0.2, 0.1, 0, 0, 0};
+  const LevelMapInput input = input_for(lens);
+  const LevelCoordinates map = level_coordinates(LevelMap::lens_eccentricity, input);
+  std::vector<float> sorted = map.x, radii = level_coordinates(LevelMap::radius, input).x;
+  std::sort(sorted.begin(), sorted.end());
+  std::sort(radii.begin(), radii.end());
+  for (std::size_t i = 0; i < sorted.size() && sorted[i] < 1.0f; ++i)
+    ASSERT_NEAR(sorted[i], radii[i], 0.03) << i;
+  for (int row = 0; row < 50; ++row)
+    for (int column = 1; column < 60; ++column) {
+      const auto demand = [&](int x) {
+        const glm::dvec2 t = sim::target_uv_to_tangents(fov, {(x + 0.5) / 60, (row + 0.5) / 50});
+        return lens_demand(input, t) * acuity_demand(input, t);
+      };
+      if (demand(column - 1) > 1.03 * demand(column)) {
+        ASSERT_LE(at(map.x, column - 1, row), at(map.x, column, row));
+      }
+    }
 }
 
 /// Against differences of the whole mapping, picture to panel.
@@ -99,15 +141,18 @@ TEST(LevelMap, TheProductIsTheProduct) {
   for (int row = 0; row < 50; ++row)
     for (int column = 0; column < 60; ++column) {
       const glm::dvec2 t = sim::target_uv_to_tangents(fov, {(column + 0.5) / 60, (row + 0.5) / 50});
-      ASSERT_NEAR(at(both.x, column, row),
-                  both.coordinate_of(lens_demand(input, t) * acuity_demand(input, t)), 1e-6);
+      // Between what has as much demand and what has up to 1 % less, which tells equal ones apart.
+      const double demand = lens_demand(input, t) * acuity_demand(input, t);
+      ASSERT_GE(at(both.x, column, row), both.coordinate_of(demand) - 1e-6);
+      ASSERT_LE(at(both.x, column, row), both.coordinate_of(0.99 * demand) + 1e-6);
     }
 }
 
-TEST(LevelMap, CoordinatesTellRatiosApartAndStayBetween0And1) {
-  const LevelCoordinates map{{}, 4.0, 0.25};
+TEST(LevelMap, CoordinatesStayBetween0And1) {
+  const LevelCoordinates map{{}, 4.0, 0.25, {0.0, 0.5, 1.0}};
   EXPECT_EQ(map.coordinate_of(4.0), 0.0);
   EXPECT_NEAR(map.coordinate_of(1.0), 0.5, 1e-12);
+  EXPECT_NEAR(map.coordinate_of(2.0), 0.25, 1e-12);
   EXPECT_EQ(map.coordinate_of(0.25), 1.0);
   for (const double nothing : {0.0, -1.0, std::nan("")})
     EXPECT_EQ(map.coordinate_of(nothing), 1.0);

@@ -41,18 +41,20 @@ bool same(double a, double b) {
 }
 
 bool same(const FrameRecord& a, const FrameRecord& b) {
-  bool equal = a.vsync_index == b.vsync_index && a.vsync_ns == b.vsync_ns &&
-               a.displayed_frame == b.displayed_frame && a.missed == b.missed && a.stale_run == b.stale_run &&
-               a.render_pose_ns == b.render_pose_ns && a.render_start_ns == b.render_start_ns &&
-               a.render_done_ns == b.render_done_ns && a.warp_pose_ns == b.warp_pose_ns &&
-               a.warp_start_ns == b.warp_start_ns && a.warp_done_ns == b.warp_done_ns &&
-               a.photon_first_row_ns == b.photon_first_row_ns && a.photon_mid_ns == b.photon_mid_ns &&
-               a.photon_last_row_ns == b.photon_last_row_ns && a.mtp_rotation_ns == b.mtp_rotation_ns &&
-               a.mtp_translation_ns == b.mtp_translation_ns && a.frame_age_ns == b.frame_age_ns &&
-               same(a.angular_error_rad, b.angular_error_rad) &&
-               same(a.position_error_m, b.position_error_m) && same(a.dssim_left, b.dssim_left) &&
-               same(a.dssim_right, b.dssim_right) && a.work == b.work &&
-               a.render_target_ns == b.render_target_ns && a.pose_valid == b.pose_valid;
+  bool equal =
+      a.vsync_index == b.vsync_index && a.vsync_ns == b.vsync_ns && a.displayed_frame == b.displayed_frame &&
+      a.missed == b.missed && a.stale_run == b.stale_run && a.render_pose_ns == b.render_pose_ns &&
+      a.render_start_ns == b.render_start_ns && a.render_done_ns == b.render_done_ns &&
+      a.warp_pose_ns == b.warp_pose_ns && a.warp_start_ns == b.warp_start_ns &&
+      a.warp_done_ns == b.warp_done_ns && a.photon_first_row_ns == b.photon_first_row_ns &&
+      a.photon_mid_ns == b.photon_mid_ns && a.photon_last_row_ns == b.photon_last_row_ns &&
+      a.mtp_rotation_ns == b.mtp_rotation_ns && a.mtp_translation_ns == b.mtp_translation_ns &&
+      a.frame_age_ns == b.frame_age_ns && same(a.angular_error_rad, b.angular_error_rad) &&
+      same(a.position_error_m, b.position_error_m) && same(a.dssim_left, b.dssim_left) &&
+      same(a.dssim_right, b.dssim_right) && a.work == b.work && a.render_target_ns == b.render_target_ns &&
+      a.pose_valid == b.pose_valid && same(a.gaze_x, b.gaze_x) && same(a.gaze_y, b.gaze_y) &&
+      same(a.gaze_error_rad, b.gaze_error_rad) && same(a.weighted_rmse_left, b.weighted_rmse_left) &&
+      same(a.weighted_rmse_right, b.weighted_rmse_right);
   for (std::size_t i = 0; i < 3; ++i) {
     equal = equal && same(a.angular_error_vector_rad[i], b.angular_error_vector_rad[i]);
   }
@@ -75,7 +77,10 @@ TEST_F(FramesCsv, EveryFieldOfEveryRecordReadsBackBitForBit) {
   std::mt19937_64 random(7);
   for (FrameRecord& r : records) {
     const double value = std::bit_cast<double>(random());
-    if (!std::isnan(value)) r.dssim_left = value;
+    if (!std::isnan(value)) r.dssim_left = r.gaze_x = value;
+    r.gaze_y = -0.25;
+    r.gaze_error_rad = r.weighted_rmse_left = 1.0 / 3.0;
+    r.weighted_rmse_right = 0.1;
     r.vsync_ns = static_cast<std::int64_t>(random());
     r.work.rays = random();
     r.work.shading_fetches = random();
@@ -96,7 +101,7 @@ TEST_F(FramesCsv, EveryFieldOfEveryRecordReadsBackBitForBit) {
 TEST_F(FramesCsv, AFreshRecordsRowHasEmptyCellsForWhatIsNotKnown) {
   const FrameRecord fresh;
   const std::string text = text_of(write(std::span(&fresh, 1)));
-  EXPECT_EQ(text.substr(text.find('\n') + 1), "0,0,,0,0,,,,,,,,,,,,,,,,,0,0,0,0,0,0,,1,,,\n");
+  EXPECT_EQ(text.substr(text.find('\n') + 1), "0,0,,0,0,,,,,,,,,,,,,,,,,0,0,0,0,0,0,,1,,,,,,,,\n");
 }
 
 TEST_F(FramesCsv, EqualRecordsGiveEqualBytes) {
@@ -117,6 +122,24 @@ TEST_F(FramesCsv, ColumnsInAnotherOrderAndUnknownOnesAreRead) {
   const std::vector<FrameRecord> back = read_frames_csv(folder_ / "turned.csv");
   ASSERT_EQ(back.size(), 1u);
   EXPECT_EQ(back[0].vsync_index, 42);
+}
+
+TEST_F(FramesCsv, FilesFromBeforeTheColumnsOfGazeAreRead) {
+  FrameRecord record;
+  record.vsync_index = 7;
+  record.angular_error_vector_rad = {1, 2, 3};
+  std::string old;
+  std::istringstream lines(text_of(write(std::span(&record, 1))));
+  for (std::string line; std::getline(lines, line);) {
+    for (int younger = 0; younger < 5; ++younger)
+      line.erase(line.rfind(','));
+    old += line + "\n";
+  }
+  ASSERT_EQ(old.find("gaze"), std::string::npos);
+  put(folder_ / "old.csv", old);
+  const std::vector<FrameRecord> back = read_frames_csv(folder_ / "old.csv");
+  ASSERT_EQ(back.size(), 1u);
+  EXPECT_TRUE(same(back[0], record));
 }
 
 TEST_F(FramesCsv, BadFilesAreNamedWithLineAndColumn) {
