@@ -461,9 +461,8 @@ Session parse_session(const std::string& text, const std::string& file_name,
   session.pipeline = read_pipeline(table, stages);
   if (session.pipeline.at("skip").stage.name == "auto")
     session.skip_candidates = read_skip_candidates(table, stages);
-  for (const StageInfo& stage : stages.stages()) {
+  for (const StageInfo& stage : stages.stages())
     if (stage.id() == "rays/full_rate") session.full_rate = {stage, stage_values(table, stage)};
-  }
   session.output.images = read_selection(table, "output.images");
   session.output.error = read_selection(table, "output.error");
   session.output.converged_ideal = table.choice("output.ideal") == "converged";
