@@ -109,7 +109,6 @@ std::string run_mab(const BenchCommand& command) {
   options.stages = make_stages({}).registry;
   options.progress = [](std::string_view line) { fmt::print(stderr, "{}\n", line); };
   if (command.quick) {
-    options.profiles.resize(1);
     options.volumes.resize(1);
     options.resolution_scale = 0.15;
     options.repetitions = 3;
