@@ -23,7 +23,8 @@ namespace brace {
 namespace {
 
 constexpr std::array maps = {"radius", "lens", "eccentricity", "lens_eccentricity"};
-constexpr std::array qualities = {1.0, 0.9, 0.8, 0.7, 0.6, 0.5, 0.35, 0.25, 0.18, 0.12};
+/// Rays over the pixels: the same for every map, so that no curve is judged between its points.
+constexpr std::array shares = {1.0, 0.8, 0.7, 0.6, 0.5, 0.4, 0.3, 0.22, 0.16, 0.12};
 
 /// As many levels below a ray per pixel for every map.
 const char* const levels_text =
@@ -73,7 +74,9 @@ void measure_errors(const gpu::Device& device, const MabBenchOptions& options, c
     options.progress(fmt::format("mab: {} {} {}", scene.profile, scene.volume, map));
     EyeRig mab(device, options.data_folder, session_of(options, scene, "mab", map, "compact"));
     const std::optional<MabPlan> plan = plan_mab(mab.session, mab.headset);
-    for (const double quality : qualities) {
+    for (const double share : shares) {
+      const double quality =
+          std::min(share * mab.pixels() / static_cast<double>(plan->rays(MabPlan::steps)), 1.0);
       mab.render(quality);
       MabErrorRow row = compare(shown(mab.eyes), ideal, full.headset);
       row.profile = scene.profile;
@@ -108,7 +111,8 @@ Ratio ratio_of(const Curve& one, const Curve& other, double MabErrorRow::*error)
   Ratio ratio;
   double sum = 0.0;
   int count = 0;
-  for (double share = 0.15; share <= 0.9; share += 0.05) {
+  for (const double share : shares) {
+    if (share == 1.0) continue;
     const double of_one = error_at(one, error, share), of_other = error_at(other, error, share);
     if (!std::isfinite(of_one) || !(of_other > 0.0)) continue;
     sum += of_one / of_other;
