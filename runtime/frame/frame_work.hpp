@@ -7,8 +7,8 @@
 
 #include "base/pose.hpp"
 #include "base/time.hpp"
-#include "runtime/frame/cell_cuts.hpp"
 #include "hmd_sim/pose_trace.hpp"
+#include "runtime/frame/cell_cuts.hpp"
 #include "runtime/metrics/frame_record.hpp"
 
 namespace brace {
@@ -23,8 +23,8 @@ struct CastRequest {
   Pose world_from_head{};
   SimTime start{};
   double quality = 1.0;  // 0 < quality <= 1, from the control stage: fraction of the full ray count
-  int cell_columns = 0, cell_rows = 0;  // of each eye: outcomes of cells are wanted; 0: of the frame alone
-  std::span<const CellCuts> cuts{};     // of the left and the right eye into these cells; empty: even
+  int cell_columns = 0, cell_rows = 0;    // of each eye: outcomes of cells are wanted; 0: of the frame alone
+  std::span<const CellCuts> cuts{};       // of the left and the right eye into these cells; empty: even
   glm::dvec3 gaze = sim::straight_ahead;  // as known at `start`, in the head frame
 };
 
@@ -50,8 +50,8 @@ struct ShowRequest {
   std::int64_t vsync_index = 0;
   bool image_is_new = false;  // true: the image of the last warp; false: the panel repeats what it has
   Pose true_world_from_head{};
-  std::int64_t transfer_version = 0;     // in force at photon time: what an ideal picture shows
-  std::optional<ScanPoses> true_scan{};  // where asked for
+  std::int64_t transfer_version = 0;           // in force at photon time: what an ideal picture shows
+  std::optional<ScanPoses> true_scan{};        // where asked for
   glm::dvec3 true_gaze = sim::straight_ahead;  // at photon time, in the head frame
 };
 
