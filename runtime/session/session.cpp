@@ -1,7 +1,6 @@
 #include "runtime/session/session.hpp"
 
 #include <algorithm>
-#include <charconv>
 #include <cmath>
 #include <fstream>
 #include <sstream>
