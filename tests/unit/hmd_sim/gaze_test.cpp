@@ -23,7 +23,7 @@ using testing::HasSubstr;
 constexpr double rad_per_degree = std::numbers::pi / 180.0;
 const double lost = std::numeric_limits<double>::quiet_NaN();
 
-bool same(const glm::dvec3& a, const glm::dvec3& b) {
+bool same_gaze(const glm::dvec3& a, const glm::dvec3& b) {
   return a == b || (std::isnan(a.x) && std::isnan(b.x));
 }
 
@@ -35,7 +35,7 @@ PoseTrace looking(EyeMotion motion, double seconds, double blinks = 0.0, std::ui
   return generate_trace({.motion = Motion::stationary, .seconds = seconds, .gaze = {motion, blinks, seed}});
 }
 
-std::string message_of(const std::string& text, bool strict = false) {
+std::string refusal_of(const std::string& text, bool strict = false) {
   try {
     parse_trace(text, "some.trace", {.strict = strict});
   } catch (const Error& error) {
@@ -103,8 +103,8 @@ TEST(Gaze, BlinksAreLostReadingsOf150Ms) {
 TEST(Gaze, ASeedIsAGazeAndAnotherAnother) {
   const PoseTrace a = looking(EyeMotion::saccades, 2.0, 20.0), b = looking(EyeMotion::saccades, 2.0, 20.0),
                   other = looking(EyeMotion::saccades, 2.0, 20.0, 2);
-  EXPECT_TRUE(std::equal(a.gaze().begin(), a.gaze().end(), b.gaze().begin(), same));
-  EXPECT_FALSE(std::equal(a.gaze().begin(), a.gaze().end(), other.gaze().begin(), same));
+  EXPECT_TRUE(std::equal(a.gaze().begin(), a.gaze().end(), b.gaze().begin(), same_gaze));
+  EXPECT_FALSE(std::equal(a.gaze().begin(), a.gaze().end(), other.gaze().begin(), same_gaze));
 }
 
 TEST(Gaze, EveryFormatCarriesItThereAndBack) {
@@ -115,7 +115,7 @@ TEST(Gaze, EveryFormatCarriesItThereAndBack) {
     const TraceReadResult back = parse_trace(out.str(), "x", {.strict = true});
     ASSERT_EQ(back.format, format);
     ASSERT_EQ(back.trace.gaze().size(), trace.gaze().size());
-    EXPECT_TRUE(std::equal(trace.gaze().begin(), trace.gaze().end(), back.trace.gaze().begin(), same));
+    EXPECT_TRUE(std::equal(trace.gaze().begin(), trace.gaze().end(), back.trace.gaze().begin(), same_gaze));
     EXPECT_EQ(back.repairs.gaze_read, trace.gaze().size());
     EXPECT_GT(back.repairs.gaze_lost, 0u);
     EXPECT_EQ(shifted_to(back.trace, sim_time(5)).gaze().size(), trace.gaze().size());
@@ -134,18 +134,18 @@ TEST(Gaze, TablesOfAnglesAndEmptyCellsAreRead) {
 
 TEST(Gaze, BadInputIsNamedWithFileAndLine) {
   const std::string head = "# brace pose trace 1\n0 0 0 0 0 0 0 1 0 0 -1\n";
-  EXPECT_THAT(message_of(head + "1000 0 0 0 0 0 0 1\n"), HasSubstr("some.trace:3: 8 fields"));
-  EXPECT_THAT(message_of(head + "1000 0 0 0 0 0 0 1 0 0\n"), HasSubstr("some.trace:3: 10 fields"));
-  EXPECT_THAT(message_of(head + "1000 0 0 0 0 0 0 1 0 b -1\n"), HasSubstr("some.trace:3: field 10 'b'"));
-  EXPECT_THAT(message_of("#t,x,y,z,w,a,b,c,gaze_x\n0,0,0,0,1,0,0,0,1\n1,0,0,0,1,0,0,0,1\n"),
+  EXPECT_THAT(refusal_of(head + "1000 0 0 0 0 0 0 1\n"), HasSubstr("some.trace:3: 8 fields"));
+  EXPECT_THAT(refusal_of(head + "1000 0 0 0 0 0 0 1 0 0\n"), HasSubstr("some.trace:3: 10 fields"));
+  EXPECT_THAT(refusal_of(head + "1000 0 0 0 0 0 0 1 0 b -1\n"), HasSubstr("some.trace:3: field 10 'b'"));
+  EXPECT_THAT(refusal_of("#t,x,y,z,w,a,b,c,gaze_x\n0,0,0,0,1,0,0,0,1\n1,0,0,0,1,0,0,0,1\n"),
               HasSubstr("gaze_x, gaze_y and gaze_z, or"));
-  EXPECT_THAT(message_of("#t,gaze_yaw,gaze_pitch,z,w,a,b,c\n0,0,0,0,1,0,0,0\n1,0,0,0,1,0,0,0\n"),
+  EXPECT_THAT(refusal_of("#t,gaze_yaw,gaze_pitch,z,w,a,b,c\n0,0,0,0,1,0,0,0\n1,0,0,0,1,0,0,0\n"),
               HasSubstr("among the first eight"));
   for (const char* bad : {"0 0 1", "0 0 -1.1", "0 0 0", "inf 0 -1"}) {
     const std::string text = head + "1000 0 0 0 0 0 0 1 " + bad + "\n";
-    EXPECT_EQ(message_of(text), "") << "counted, taken as lost";
+    EXPECT_EQ(refusal_of(text), "") << "counted, taken as lost";
     EXPECT_EQ(parse_trace(text, "x").repairs.gaze_bad, 1u) << bad;
-    EXPECT_THAT(message_of(text, true), HasSubstr("some.trace:3: gaze ("));
+    EXPECT_THAT(refusal_of(text, true), HasSubstr("some.trace:3: gaze ("));
   }
   EXPECT_THROW(parse_eye_motion("blink"), Error);
   EXPECT_THROW(looking(EyeMotion::pursuit, 1.0, -1.0), Error);
