@@ -27,6 +27,10 @@ bool is_adaptive(const PipelineStage& cast) {
 
 }  // namespace
 
+bool wants_levels(const PipelineStage& cast) {
+  return find(cast, "lod") != nullptr && !is_chosen(cast, "lod", "off");
+}
+
 TransferExtras transfer_extras(const PipelineStage& cast) {
   const bool adaptive = is_adaptive(cast);
   if (adaptive && is_chosen(cast, "integrator", "left")) {
@@ -41,6 +45,13 @@ TransferExtras transfer_extras(const PipelineStage& cast) {
     throw input_error("stage {}: step_voxels_min = {} exceeds step_voxels_max = {}", cast.stage.id(),
                       cast.value("step_voxels_min"), cast.value("step_voxels_max"));
   }
+  if (wants_levels(cast) && (adaptive || !is_chosen(cast, "integrator", "midpoint-exponential"))) {
+    throw input_error(
+        "stage {}: a level of detail has steps of its own and one sample in the middle of each; accepted "
+        "with "
+        "lod: tolerance = 0 and integrator = \"midpoint-exponential\"; or lod = \"off\"",
+        cast.stage.id());
+  }
   TransferExtras extras;
   extras.integrals = is_chosen(cast, "integrator", "pre-integrated");
   extras.segments = extras.integrals && !adaptive && is_chosen(cast, "preintegration", "table");
@@ -54,6 +65,7 @@ std::optional<Session> converged_session(const Session& session) {
   cast.set("step_voxels", cast.value("step_voxels") / 4.0);
   cast.set_choice("integrator", "pre-integrated");
   cast.set("tolerance", 0.0);
+  cast.set_choice("lod", "off");
   return converged;
 }
 

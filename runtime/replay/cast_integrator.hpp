@@ -13,7 +13,11 @@ namespace brace {
 /// combination of parameters that means nothing.
 TransferExtras transfer_extras(const PipelineStage& cast);
 
-/// The session with steps a quarter as long, fixed and pre-integrated; empty unless cast/dvr casts it.
+/// Whether a cast stage samples coarser levels of the volume: a choice `lod` that is not "off".
+bool wants_levels(const PipelineStage& cast);
+
+/// The session with steps a quarter as long, fixed, pre-integrated and of the finest level; empty unless
+/// cast/dvr casts it.
 std::optional<Session> converged_session(const Session& session);
 
 }  // namespace brace

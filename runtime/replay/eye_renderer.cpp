@@ -4,6 +4,8 @@
 
 #include "base/error.hpp"
 #include "runtime/host/stage_glsl.hpp"
+#include "runtime/raycast/volume_levels.hpp"
+#include "runtime/replay/cast_integrator.hpp"
 #include "runtime/replay/scene_shading.hpp"
 #include "runtime/warp_layers/novel_view.hpp"
 
@@ -13,6 +15,11 @@ namespace {
 
 bool is_native(const Session& session, const char* family) {
   return session.pipeline.at(family).stage.native != nullptr;
+}
+
+/// The pictures that others are compared with are cast without levels from a scene that has them.
+bool samples_levels(const Session& session, const SceneOnDevice& scene) {
+  return scene.levels != nullptr && wants_levels(session.pipeline.at("cast"));
 }
 
 CastKernels session_kernels(const Session& session, const SceneOnDevice& scene, const PipelineStage& rays,
@@ -41,7 +48,15 @@ CastKernels session_kernels(const Session& session, const SceneOnDevice& scene, 
                                                             ? "brace_count_samples"
                                                             : "brace_count_skip_steps");
   }
+  if (samples_levels(session, scene)) {
+    for (auto& define : scene.levels->defines())
+      kernels.cast.defines.push_back(std::move(define));
+  }
   return kernels;
+}
+
+bool is_occlusion(const PipelineStage& skip) {
+  return skip.stage.id() == "skip/occlusion";
 }
 
 /// Of every renderer of a watched run: what one of them finds, the others survive.
@@ -116,6 +131,26 @@ void require_cells(const Session& session) {
     refuse("clock.cost = 'recorded:…', which knows no cells", "other costs");
 }
 
+void require_levels(const Session& session) {
+  if (const std::string stereo = session.pipeline.at("stereo").stage.id(); stereo != "stereo/two_pass") {
+    throw input_error("{}: lod does not work with {}; accepted: stereo/two_pass, or lod = \"off\"",
+                      session.pipeline.at("cast").stage.id(), stereo);
+  }
+}
+
+void require_occlusion(const Session& session) {
+  const auto refuse = [](const std::string& what, const char* accepted) {
+    throw input_error("skip/occlusion does not work with {}; accepted: {}, or another skip stage", what,
+                      accepted);
+  };
+  if (const std::string rays = session.pipeline.at("rays").stage.id(); rays != "rays/full_rate")
+    refuse(rays + ", whose rays are not the pixels that first hits are known of", "rays/full_rate");
+  if (is_native(session, "cast"))
+    refuse(session.pipeline.at("cast").stage.id() + ", which is native", "cast/dvr");
+  if (const std::string stereo = session.pipeline.at("stereo").stage.id(); stereo != "stereo/two_pass")
+    refuse(stereo + ", whose second eye has no rays", "stereo/two_pass");
+}
+
 EyePair make_eye_pair(const gpu::Device& device, PictureSize size, RayLayers layers) {
   return {EyeTarget(device, size.width_px, size.height_px, layers),
           EyeTarget(device, size.width_px, size.height_px, layers)};
@@ -132,7 +167,7 @@ EyePair make_eye_pair(const gpu::Device& device, const Session& session, const H
 EyeRenderer::EyeRenderer(const gpu::Device& device, const Session& session, const Headset& headset,
                          const SceneOnDevice& scene, const VolumePlacement& placement,
                          const std::filesystem::path& data_folder, Counting counting, Watchdog* watchdog,
-                         SecondEye second_eye, Layers layers, RayHeat heat)
+                         SecondEye second_eye, Layers layers, RayHeat heat, History history)
     : device_(device),
       session_(session),
       headset_(headset),
@@ -149,6 +184,14 @@ EyeRenderer::EyeRenderer(const gpu::Device& device, const Session& session, cons
       commands_(device, "eyes"),
       watchdog_(watchdog) {
   activate_native_stages();
+  BRACE_CHECK(samples_levels(session, scene) == wants_levels(session.pipeline.at("cast")));
+  if (samples_levels(session, scene)) require_levels(session);
+  if (is_occlusion(scene.skip_stage)) {
+    if (history == History::as_session) require_occlusion(session);
+    first_hits_ = std::make_unique<FirstHitMaps>(*scene.skip_kernels, occlusion_settings(scene.skip_stage),
+                                                 headset.eye.width_px, headset.eye.height_px);
+    keeps_first_hits_ = history == History::as_session;
+  }
   if (watchdog != nullptr) {
     watchdog->arm_guard(rays().colours);
     watchdog->arm_guard(rays().depths_m);
@@ -170,6 +213,10 @@ void EyeRenderer::transfer_changed() {
   activate_native_stages();
 }
 
+void EyeRenderer::forget_first_hits() {
+  if (first_hits_) first_hits_->forget();
+}
+
 void EyeRenderer::activate_native_stages() {
   const auto make = [&](const char* family, std::optional<ActiveStage>& stage) {
     if (!is_native(session_, family)) return;
@@ -182,7 +229,15 @@ void EyeRenderer::activate_native_stages() {
   make("stereo", native_stereo_);
 }
 
-void EyeRenderer::set_eye(sim::Eye eye, const EyeView& view, const EyeTarget& target) const {
+void EyeRenderer::keep_first_hits(gpu::CommandList& commands, sim::Eye eye, const EyeTarget& target) {
+  if (keeps_first_hits_) first_hits_->record(commands, static_cast<std::size_t>(eye), target);
+}
+
+void EyeRenderer::set_eye(sim::Eye eye, const EyeView& view, const EyeTarget& target) {
+  if (first_hits_) {
+    first_hits_->aim(static_cast<std::size_t>(eye), view, scene_.volume.info(), placement_,
+                     scene_.transfer_version);
+  }
   CastPipeline::set_eye(device_, target, view, placement_, scene_.volume, scene_.transfer,
                         mab_ ? std::optional(mab_->grid(eye)) : std::nullopt);
 }
@@ -191,6 +246,14 @@ void EyeRenderer::set_eye(sim::Eye eye, const EyeView& view, const EyeTarget& ta
 CastPipeline::Resources EyeRenderer::resources_of(sim::Eye eye, const EyeTarget& target) {
   const auto skip = scene_.skip_bindings();
   bindings_.assign(skip.begin(), skip.end());
+  if (first_hits_) {
+    const auto first_hits = first_hits_->bindings(static_cast<std::size_t>(eye));
+    bindings_.insert(bindings_.end(), first_hits.begin(), first_hits.end());
+  }
+  if (samples_levels(session_, scene_)) {
+    const auto levels = scene_.levels->bindings();
+    bindings_.insert(bindings_.end(), levels.begin(), levels.end());
+  }
   if (makes_layers_) bindings_.push_back(layers_binding(target.layers));
   if (makes_layers_ && mab_) bindings_.push_back(layer_rays_binding(target));
   if (scan_line_rays_) {
@@ -213,18 +276,24 @@ EyeCastOutcome EyeRenderer::cast_eye_by_steps(sim::Eye eye, const Pose& world_fr
   const CastPipeline::Resources resources = resources_of(eye, target);
   const std::string rays_id = session_.pipeline.at("rays").stage.id();
   const std::string cast_id = session_.pipeline.at("cast").stage.id();
-  return cast_eye({.device = device_,
-                   .pipeline = pipeline_,
-                   .resources = resources,
-                   .view = view,
-                   .eye = static_cast<std::uint32_t>(eye),
-                   .frame = frame_,
-                   .rays = native_rays_ ? &**native_rays_ : nullptr,
-                   .cast = native_cast_ ? &**native_cast_ : nullptr,
-                   .watchdog = watchdog_,
-                   .rays_id = &rays_id,
-                   .cast_id = &cast_id},
-                  commands_, host_rays_);
+  EyeCastOutcome outcome = cast_eye({.device = device_,
+                                     .pipeline = pipeline_,
+                                     .resources = resources,
+                                     .view = view,
+                                     .eye = static_cast<std::uint32_t>(eye),
+                                     .frame = frame_,
+                                     .rays = native_rays_ ? &**native_rays_ : nullptr,
+                                     .cast = native_cast_ ? &**native_cast_ : nullptr,
+                                     .watchdog = watchdog_,
+                                     .rays_id = &rays_id,
+                                     .cast_id = &cast_id},
+                                    commands_, host_rays_);
+  if (keeps_first_hits_) {
+    commands_.reset();
+    keep_first_hits(commands_, eye, target);
+    outcome.time_ns += total_ns(gpu::submit_and_wait(commands_));
+  }
+  return outcome;
 }
 
 std::int64_t EyeRenderer::compose_right_eye(const Pose& world_from_head, const EyePair& into) {
@@ -317,6 +386,11 @@ JobOutcome EyeRenderer::render_cells(const Pose& world_from_head, const EyePair&
     });
     cells_[first].device_time += opening;
     cells_.back().device_time += closing;
+    if (keeps_first_hits_) {
+      commands_.reset();
+      keep_first_hits(commands_, eye, target);
+      cells_.back().device_time += SimDuration(total_ns(gpu::submit_and_wait(commands_)));
+    }
   }
   JobOutcome outcome{.cells = cells_};
   for (const CellOutcome& cell : cells_) {
@@ -331,7 +405,9 @@ JobOutcome EyeRenderer::render_by_line(const ScanPoses& world_from_head, const E
   for (const sim::Eye eye : sim::all_eyes)
     scan_line_rays_->set_last(eye, eye_view(headset_, eye, world_from_head.last_line), scene_.volume.info(),
                               placement_);
-  return render(world_from_head.first_line, into);
+  const JobOutcome outcome = render(world_from_head.first_line, into);
+  forget_first_hits();  // which are those of many views
+  return outcome;
 }
 
 JobOutcome EyeRenderer::render(const Pose& world_from_head, const EyePair& into, double quality) {
@@ -354,6 +430,7 @@ JobOutcome EyeRenderer::render(const Pose& world_from_head, const EyePair& into,
     const EyeTarget& target = into[static_cast<std::size_t>(eye)];
     set_eye(eye, eye_view(headset_, eye, world_from_head), target);
     pipeline_.record(commands_, resources_of(eye, target));
+    keep_first_hits(commands_, eye, target);
   }
   JobOutcome outcome;
   const std::vector<gpu::Timing>& timings = gpu::submit_and_wait(commands_);

@@ -13,6 +13,7 @@
 #include "runtime/replay/scene.hpp"
 #include "runtime/replay/scene_activation.hpp"
 #include "runtime/replay/single_pass.hpp"
+#include "runtime/skip/first_hit_maps.hpp"
 
 namespace brace {
 
@@ -21,6 +22,12 @@ std::optional<MabPlan> plan_mab(const Session& session, const Headset& headset);
 
 /// Throws input_error for stages that schedule/chunked cannot cast in cells.
 void require_cells(const Session& session);
+
+/// Throws input_error for stages whose rays cannot begin where skip/occlusion says.
+void require_occlusion(const Session& session);
+
+/// Throws input_error for stages that do not work with coarser levels of the volume.
+void require_levels(const Session& session);
 
 EyePair make_eye_pair(const gpu::Device& device, PictureSize size, RayLayers layers = {});
 
@@ -38,6 +45,9 @@ class EyeRenderer {
   /// Whether layers are made for the session's warp, into targets that have them; only for warps that take
   /// some.
   enum class Layers { none, as_session };
+  /// Whether skip/occlusion, if the session has it, learns from each frame for the next one: where they
+  /// follow each other in time. Without it every ray begins at its entry.
+  enum class History { none, as_session };
 
   /// What a ray's colour is instead of the volume's: grey by the count of its work, (1 + 254 h) / 255 with h
   /// = min(log2(1 + count) / 10, 1); a ray that misses the volume stays black. Of cast stages in GLSL alone.
@@ -50,7 +60,7 @@ class EyeRenderer {
               const SceneOnDevice& scene, const VolumePlacement& placement,
               const std::filesystem::path& data_folder, Counting counting, Watchdog* watchdog = nullptr,
               SecondEye second_eye = SecondEye::as_session, Layers layers = Layers::none,
-              RayHeat heat = RayHeat::none);
+              RayHeat heat = RayHeat::none, History history = History::none);
 
   /// `quality`: the share of the rays that load control asks for; only rays/mab can cast fewer.
   JobOutcome render(const Pose& world_from_head, const EyePair& into, double quality = 1.0);
@@ -85,12 +95,17 @@ class EyeRenderer {
   /// activation, are activated anew.
   void transfer_changed();
 
+  /// Call where the transfer function changed and kept its version: what the last frame has shown to be empty
+  /// is no more.
+  void forget_first_hits();
+
   /// What became of single-pass stereo so far, for the report; empty without it.
   std::string stereo_note() const { return single_pass_ ? single_pass_->note() : std::string(); }
 
  private:
   void activate_native_stages();
-  void set_eye(sim::Eye eye, const EyeView& view, const EyeTarget& target) const;
+  void set_eye(sim::Eye eye, const EyeView& view, const EyeTarget& target);
+  void keep_first_hits(gpu::CommandList& commands, sim::Eye eye, const EyeTarget& target);
   CastPipeline::Resources resources_of(sim::Eye eye, const EyeTarget& target);
   JobOutcome render_by_steps(const Pose& world_from_head, const EyePair& into);
   void cast_cells(const CastPipeline::Resources& resources, const CellCuts& cuts);
@@ -122,6 +137,8 @@ class EyeRenderer {
   std::uint64_t frame_ = 0;
   std::unique_ptr<SinglePass> single_pass_;     // null where each eye is ray cast
   std::optional<ScanLineRays> scan_line_rays_;  // from the first render_by_line on
+  std::unique_ptr<FirstHitMaps> first_hits_;    // null without skip/occlusion
+  bool keeps_first_hits_ = false;
 };
 
 }  // namespace brace

@@ -7,13 +7,14 @@ namespace brace {
 
 namespace {
 
-/// The session of ideal pictures: lit as asked for, a ray per pixel, and where the session asks for them
-/// converged ones.
+/// The session of ideal pictures: lit as asked for, a ray per pixel, of the finest level, and where the
+/// session asks for them converged ones.
 Session ideal_session(Session session, const ReplayOptions& options) {
   const PipelineStage& rays = options.full_rate;
   session.pipeline.at("rays") =
       session.output.ideal_by_line ? ScanLineRays::opening(rays, options.data_folder) : rays;
   session.scene.shading = session.plan.shading;
+  if (wants_levels(session.pipeline.at("cast"))) session.pipeline.at("cast").set_choice("lod", "off");
   if (!session.output.converged_ideal) return session;
   if (const auto converged = converged_session(session)) return *converged;
   throw input_error(

@@ -14,7 +14,8 @@ PixelWork::PixelWork(const Inputs& inputs)
       pictures_at_(inputs.session.output.images, inputs.vsyncs),
       renderer_(inputs.device, inputs.session, inputs.headset, inputs.scene, inputs.placement,
                 inputs.options.data_folder, EyeRenderer::Counting::on, inputs.watchdog,
-                EyeRenderer::SecondEye::as_session, EyeRenderer::Layers::as_session),
+                EyeRenderer::SecondEye::as_session, EyeRenderer::Layers::as_session,
+                EyeRenderer::RayHeat::none, EyeRenderer::History::as_session),
       display_(
           inputs.device, inputs.headset, inputs.session.pipeline.at("warp"), inputs.options.no_warp,
           scene_activation(inputs.device, inputs.session, inputs.headset, inputs.scene, inputs.placement),

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "runtime/gpu/shader_compiler.hpp"
+#include "runtime/raycast/volume_levels.hpp"
 #include "runtime/replay/cast_integrator.hpp"
 #include "runtime/replay/native_skip.hpp"
 #include "runtime/replay/skip_choice.hpp"
@@ -11,6 +12,12 @@
 namespace brace {
 
 namespace {
+
+OpenOptions open_options(const Session::Scene& wanted) {
+  OpenOptions open;
+  open.non_finite = wanted.nan == "empty" ? NonFinitePolicy::treat_as_empty : NonFinitePolicy::reject;
+  return open;
+}
 
 void build_skip_structure(const gpu::Device& device, const Session& session, const ReplayOptions& replay,
                           const Headset& headset, const VolumePlacement& placement, SceneOnDevice& scene) {
@@ -79,9 +86,7 @@ namespace {
 std::unique_ptr<SceneOnDevice> load_volume(const gpu::Device& device, const Session& session,
                                            const ReplayOptions& options) {
   const Session::Scene& wanted = session.scene;
-  OpenOptions open;
-  open.non_finite = wanted.nan == "empty" ? NonFinitePolicy::treat_as_empty : NonFinitePolicy::reject;
-  const std::unique_ptr<VolumeSource> source = open_volume(wanted.volume, open);
+  const std::unique_ptr<VolumeSource> source = open_volume(wanted.volume, open_options(wanted));
 
   ProgressMeter meter("loading", 1000, "‰");
   VoxelScan scan(source->info().type);
@@ -109,6 +114,12 @@ std::unique_ptr<SceneOnDevice> load_scene(const gpu::Device& device, const Sessi
   const Session::Scene& wanted = session.scene;
   std::unique_ptr<SceneOnDevice> scene =
       volume_of != nullptr ? share_volume(*volume_of) : load_volume(device, session, options);
+  if (wants_levels(session.pipeline.at("cast"))) {
+    scene->levels = volume_of != nullptr ? volume_of->levels : nullptr;
+    if (!scene->levels)
+      scene->levels =
+          std::make_shared<VolumeLevels>(device, *open_volume(wanted.volume, open_options(wanted)));
+  }
 
   const VolumeInfo& info = scene->volume.info();
   const ValueRange range = scene->statistics.range;

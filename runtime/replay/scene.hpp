@@ -16,6 +16,8 @@
 
 namespace brace {
 
+class VolumeLevels;
+
 /// A session's volume and transfer function in device memory.
 struct SceneOnDevice {
   explicit SceneOnDevice(std::shared_ptr<const VolumeOnDevice> held)
@@ -35,6 +37,7 @@ struct SceneOnDevice {
   std::unique_ptr<SkipStructure> skip;              // null for skip/none
   std::optional<gpu::CommandList> update_commands;  // made at the first update
   std::string skip_memory;  // what the structure takes and why, for the report; "" without one
+  std::shared_ptr<const VolumeLevels> levels;  // null unless the cast stage asks for coarser levels
 
   /// Brings transfer function and structure to a version; nothing submitted may be waiting. Returns the work
   /// of the change: the bytes of the table and those that the structure reads and writes.

@@ -6,6 +6,8 @@
 
 #include "base/error.hpp"
 #include "runtime/frame/counted_work.hpp"
+#include "runtime/raycast/volume_levels.hpp"
+#include "runtime/replay/cast_integrator.hpp"
 #include "runtime/replay/recorded_work.hpp"
 #include "runtime/report/progress.hpp"
 
@@ -149,6 +151,7 @@ void load(const SeriesWorkInputs& in, SeriesWork& work) {
   work.scene = load_scene(*in.device, in.session, in.options, in.headset, in.placement);
   if (work.scene->skip) work.facts.push_back({"skip memory", work.scene->skip_memory});
   work.facts.push_back({"volume path", work.scene->volume.path_reason()});
+  if (work.scene->levels) work.facts.push_back({"volume levels", work.scene->levels->summary()});
   for (const std::string& note : work.scene->volume.info().notes)
     work.facts.push_back({"volume", note});
   announce_stereo(in, work);
@@ -164,6 +167,8 @@ SeriesWork make_work(const SeriesWorkInputs& in) {
   const Session& session = in.session;
   SeriesWork work;
   if (session.pipeline.at("schedule").stage.id() == "schedule/chunked") require_cells(session);
+  if (session.pipeline.at("skip").stage.id() == "skip/occlusion") require_occlusion(session);
+  if (wants_levels(session.pipeline.at("cast"))) require_levels(session);
   announce_rays(in, work);
   if (in.device != nullptr && needs_device(session)) load(in, work);
   if (work.scene && session.run.watchdog != WatchdogLevel::off) {

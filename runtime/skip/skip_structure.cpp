@@ -69,9 +69,23 @@ SkipKind parse_skip_kind(const std::string& name) {
   throw input_error("skip/{} has no structure (accepted: {})", name, join(names));
 }
 
+namespace {
+
+/// skip/occlusion has no structure of its own, but one behind the begin of rays.
+SkipKind structure_of(const PipelineStage& stage) {
+  if (stage.stage.name != "occlusion") return parse_skip_kind(stage.stage.name);
+  for (const StageParameter& parameter : stage.stage.parameters) {
+    if (parameter.name != "behind") continue;
+    return parse_skip_kind(parameter.choices.at(static_cast<std::size_t>(stage.value("behind"))));
+  }
+  return SkipKind::none;
+}
+
+}  // namespace
+
 SkipOptions skip_options(const PipelineStage& stage, const std::filesystem::path& cache_folder) {
   SkipOptions options;
-  options.kind = parse_skip_kind(stage.stage.name);
+  options.kind = structure_of(stage);
   const auto value = [&](const char* name, double otherwise) {
     const auto& parameters = stage.stage.parameters;
     const bool known = std::any_of(parameters.begin(), parameters.end(),

@@ -31,7 +31,8 @@ LiveEyes::State::State(const gpu::Device& device, const ReplayOptions& options, 
                            keep == Keep::volume && same_volume(session, before->session) ? before->scene.get()
                                                                                          : nullptr)),
       renderer(device, session, headset, *scene, placement, options.data_folder, EyeRenderer::Counting::on,
-               nullptr, EyeRenderer::SecondEye::as_session, EyeRenderer::Layers::as_session),
+               nullptr, EyeRenderer::SecondEye::as_session, EyeRenderer::Layers::as_session,
+               EyeRenderer::RayHeat::none, EyeRenderer::History::as_session),
       display(device, headset, session.pipeline.at("warp"), options.no_warp,
               scene_activation(device, session, headset, *scene, placement), options.data_folder),
       eyes(make_eye_pair(device, session, headset)),
@@ -114,6 +115,7 @@ void LiveEyes::show_edited() {
   state.scene->versions.replace_first(*edited_);
   state.scene->show_transfer(device_, 0);
   state.renderer.transfer_changed();
+  state.renderer.forget_first_hits();
   if (!state.view) return;
   if (EyeRenderer* const renderer = state.view->renderer()) renderer->transfer_changed();
   IdealPicture* const ideal = state.view->ideal();

@@ -13,7 +13,9 @@
 #include "brace/transfer_function.glsl"
 #include "brace/volume.glsl"
 
-#if defined(BRACE_CAST_TOLERANCE_ON)
+#if defined(BRACE_VOLUME_LEVELS)
+#include "dvr_lod.glsl"
+#elif defined(BRACE_CAST_TOLERANCE_ON)
 #include "dvr_adaptive.glsl"
 #elif defined(BRACE_CAST_INTEGRATOR_LINEAR_SOURCE) || defined(BRACE_CAST_INTEGRATOR_PRE_INTEGRATED)
 #include "dvr_segments.glsl"
@@ -50,6 +52,7 @@ void brace_cast(BraceRay ray, inout BraceResult result) {
   vec3 colour = vec3(0.0);
   brace_emit_begin(ray);
   int i = 0;
+  BRACE_BEGIN_RAY(ray, i, DVR_PLACE, cast_step_voxels, cast_step_voxels);
   while (i < count) {
     // While nothing is visible to any ray of the subgroup: a software device runs masked branches in full, but
     // leaves a loop early. The sample is fetched again after it, which costs less than keeping it in the loop.

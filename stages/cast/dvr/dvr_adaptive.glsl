@@ -78,9 +78,13 @@ void brace_cast(BraceRay ray, inout BraceResult result) {
   DvrState state = DvrState(0.0, 1.0, vec3(0.0));
   brace_emit_begin(ray);
   float waiting[DVR_LEVELS_MAX + 1];  // coordinate at the end of the cell of each level
-  DvrPoint start = dvr_point(ray, 0);
-  BRACE_COUNT(samples, 1u);
+  // Cells of the top level begin at its multiples; half of one may lie in front of a depth told.
+  const float cell_units = float(1 << top) * cast_step_voxels_min;
   int i = 0;
+  BRACE_BEGIN_RAY(ray, i, 0.0, cast_step_voxels_min, cell_units);
+  i = clamp(i - 1, 0, count) >> top << top;  // from the last sample of what is empty on
+  DvrPoint start = dvr_point(ray, i);
+  BRACE_COUNT(samples, 1u);
   int level = top;
   float front_coordinate = start.coordinate;
   bool begins = true;  // a cell of the top level: its end is not known yet

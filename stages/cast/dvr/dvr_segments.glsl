@@ -31,8 +31,10 @@ void brace_cast(BraceRay ray, inout BraceResult result) {
   vec3 colour = vec3(0.0);
   brace_emit_begin(ray);
   BRACE_COUNT_VISIT;
-  DvrEnd front = dvr_end(dvr_coordinate(dvr_point(ray, segments, 0)));
   int i = 0;
+  BRACE_BEGIN_RAY(ray, i, 0.0, cast_step_voxels, cast_step_voxels);
+  i = clamp(i - 1, 0, count);  // the last sample of what is empty
+  DvrEnd front = dvr_end(dvr_coordinate(dvr_point(ray, segments, i)));
   while (i < count) {
     const DvrPoint here = dvr_point(ray, segments, i + 1);
     BRACE_COUNT_VISIT;

@@ -16,9 +16,21 @@ ivec3 brace_skip_block(vec3 voxel) {
   return clamp(ivec3(voxel * brace_skip_params.edge.y), ivec3(0), ivec3(brace_skip_params.blocks.xyz) - 1);
 }
 
+#if defined(BRACE_VOLUME_LEVELS)
+// How near to something visible samples may not be leapt over: coarse voxels have their parts from that far away.
+// Voxels; the cast stage sets it.
+#define BRACE_SKIP_MARGIN
+float brace_skip_margin = 0.0;
+#endif
+
 // Steps of the lattice from a sample at `voxel` to the first one beyond the cube of voxels [low, high]; at least 1.
 // The samples between lie inside or, by rounding, a hair beyond a face, which blocks know half a voxel of.
 int brace_skip_leap(BraceRay ray, vec3 voxel, vec3 low, vec3 high, float step) {
+#if defined(BRACE_SKIP_MARGIN)
+  low += brace_skip_margin;
+  high -= brace_skip_margin;
+  if (any(lessThan(voxel, low)) || any(greaterThan(voxel, high))) return 1;
+#endif
   const vec3 face = mix(low, high, greaterThan(ray.direction, vec3(0.0)));
   // A ray parallel to an axis never leaves along it.
   const bvec3 still = lessThan(abs(ray.direction), vec3(1e-20));

@@ -26,9 +26,21 @@ struct BraceSkipParams {
   BRACE_UVEC4_ARRAY(visible, 2); /* a bit per partition: does the transfer function show it */
 };
 
+/* What an earlier eye frame has seen: the view it was cast from, and where its first hits are. std430. */
+struct BraceOcclusionParams {
+  BRACE_VEC4(
+      column);     /* xyz, times a vector in voxels from the old eye: image column in tiles, times `ahead` */
+  BRACE_VEC4(row); /* … image row in tiles, times `ahead`; w: refresh_frames, 0: never */
+  BRACE_VEC4(ahead); /* … units in front of the old eye; w: distance between pixels per distance */
+  BRACE_VEC4(eye);   /* xyz: the old eye in voxel coordinates */
+  BRACE_UVEC4(
+      tiles); /* xy: tiles across and down, 0 where nothing is remembered; z: frames since; w: tile, px */
+};
+
 #ifdef __cplusplus
 }
 static_assert(sizeof(brace::BraceSkipParams) == 16 * (5 + BRACE_SKIP_LEVELS_MAX + 2));
+static_assert(sizeof(brace::BraceOcclusionParams) == 80);
 #endif
 #undef BRACE_VEC4
 #undef BRACE_UVEC4
