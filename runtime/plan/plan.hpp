@@ -11,8 +11,7 @@
 
 namespace brace {
 
-/// Where doing without shows (docs/planning.md), all measured by `brace bench plan`. scan_out_px decides
-/// nothing yet: no stage corrects for a rolling panel.
+/// Where doing without shows (docs/planning.md), all measured by `brace bench plan`.
 struct PlanThresholds {
   double warp_px = 0.25;         // added by doing without to how far a picture is off, p95
   double scan_out_px = 1.5;      // p95 of how far the head turns while a rolling panel is lit

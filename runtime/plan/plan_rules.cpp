@@ -12,7 +12,7 @@ const std::vector<std::string>& tried_items() {
     std::vector<std::string> names = {"warp",   "shading", "preintegration", "early_termination",
                                       "stereo", "rays"};
     names.insert(names.end(), mab_level_items().begin(), mab_level_items().end());
-    names.push_back("skip");
+    names.insert(names.end(), {"skip", "scan_out_correction"});
     return names;
   }();
   return items;
@@ -21,7 +21,8 @@ const std::vector<std::string>& tried_items() {
 std::string stage_text(const Session& session, const std::string& item) {
   if (item == "shading") return session.scene.shading;
   if (session.pipeline.contains(item)) return session.pipeline.at(item).stage.id();
-  if (!has_item(session, item) || item == "scan_out_correction") return "-";
+  if (!has_item(session, item)) return "-";
+  if (item == "scan_out_correction") return session.pipeline.at("warp").stage.id() + " by line";
   if (const auto level = mab_level_of(item))
     return fmt::format("rays/mab at {:g}", session.plan.mab_scales[static_cast<std::size_t>(*level)]);
   const PipelineStage& cast = session.pipeline.at("cast");
@@ -64,6 +65,10 @@ ErrorVerdict PlanRules::integrator_error(const Session& whole, const Session& wi
 ErrorVerdict PlanRules::error_without(const std::string& item, const Session& whole, const Session& without,
                                       PlanTrials& trials) const {
   if (item == "warp") return warp_error(whole, without, trials);
+  if (item == "scan_out_correction")
+    return {facts_.scan_out_px() <= thresholds_.scan_out_px,
+            fmt::format("the view moves by {:.2f} px (p95) in a scan-out, limit {:g}", facts_.scan_out_px(),
+                        thresholds_.scan_out_px)};
   if (item == "preintegration") return integrator_error(whole, without, trials);
   if (item != "shading" && !mab_level_of(item)) return {};
   const std::optional<double> change = trials.picture_change(whole, without);
@@ -78,13 +83,6 @@ double PlanRules::least_saving_ms(const PlanTrial& trial) const {
 }
 
 void PlanRules::judge_display(const Session& given, PlanLine& line) const {
-  if (line.item == "scan_out_correction") {
-    line.figure = fmt::format(
-        "no stage corrects for it; the view moves by {:.2f} px (p95) in a scan-out, "
-        "visible above {:g}",
-        facts_.scan_out_px(), thresholds_.scan_out_px);
-    return;
-  }
   const bool distortion = line.item == "distortion";
   const bool idle = distortion ? facts_.lens_does_nothing : facts_.channels_equal;
   line.verdict = !idle || given.plan.keeps_idle(line.item) ? PlanVerdict::kept : PlanVerdict::idle;

@@ -15,23 +15,24 @@ namespace {
 /// How a session does without an item.
 struct Without {
   std::string item;
-  std::string key;        // "" for a parameter of the cast stage
-  std::string parameter;  // of the cast stage
+  std::string key;        // "" for a parameter of a stage
+  std::string family;     // of the stage with the parameter
+  std::string parameter;  // of the stage
   std::string value;      // of key or parameter: TOML
 };
 
 const std::vector<Without>& withouts() {
   static const std::vector<Without> all = {
-      {"shading", "scene.shading", "", "'none'"},
-      {"preintegration", "", "integrator", "'midpoint-exponential'"},
-      {"early_termination", "", "termination_opacity", "1.0"},
-      {"skip", "pipeline.skip", "", "'none'"},
-      {"stereo", "pipeline.stereo", "", "'two_pass'"},
-      {"rays", "pipeline.rays", "", "'full_rate'"},
-      {"warp", "pipeline.warp", "", "'none'"},
-      {"distortion", "", "", ""},
-      {"chromatic_channels", "", "", ""},
-      {"scan_out_correction", "", "", ""},
+      {"shading", "scene.shading", "", "", "'none'"},
+      {"preintegration", "", "cast", "integrator", "'midpoint-exponential'"},
+      {"early_termination", "", "cast", "termination_opacity", "1.0"},
+      {"skip", "pipeline.skip", "", "", "'none'"},
+      {"stereo", "pipeline.stereo", "", "", "'two_pass'"},
+      {"rays", "pipeline.rays", "", "", "'full_rate'"},
+      {"warp", "pipeline.warp", "", "", "'none'"},
+      {"distortion", "", "", "", ""},
+      {"chromatic_channels", "", "", "", ""},
+      {"scan_out_correction", "", "warp", "scan_out", "'middle'"},
   };
   return all;
 }
@@ -63,10 +64,12 @@ const StageParameter* find_parameter(const StageInfo& stage, const std::string& 
   return nullptr;
 }
 
-/// The cast stage has it, and if it is a choice, can be set to what the item's absence is.
-bool has_parameter(const StageInfo& cast, const std::string& name) {
-  const StageParameter* found = find_parameter(cast, name);
-  return found != nullptr && (name != "integrator" || contains(found->choices, "pre-integrated"));
+/// The stage has it, and if it is a choice, with the choice that is the item.
+bool has_parameter(const StageInfo& stage, const std::string& name) {
+  const StageParameter* found = find_parameter(stage, name);
+  if (found == nullptr) return false;
+  if (name == "integrator") return contains(found->choices, "pre-integrated");
+  return name != "scan_out" || contains(found->choices, "lines");
 }
 
 /// The choice of a parameter of the cast stage, as the table has it before it is checked.
@@ -84,12 +87,13 @@ std::string choice_given(const SessionTable& table, const StageInfo& cast, const
 void take_out(SessionTable& table, const StageRegistry& stages, const Without& without) {
   if (!without.key.empty()) table.put(without.key, without.value);
   if (without.parameter.empty()) return;
-  const StageInfo& cast =
-      stages.find("cast", table.text("pipeline.cast"), table.place("pipeline.cast") + ": 'pipeline.cast'");
-  if (!has_parameter(cast, without.parameter)) return;
+  const std::string key = "pipeline." + without.family;
+  const StageInfo& stage = stages.find(without.family, table.text(key), table.place(key) + ": '" + key + "'");
+  if (!has_parameter(stage, without.parameter)) return;
   // Other integrators than this one stay what they are.
-  if (without.item == "preintegration" && choice_given(table, cast, "integrator") != "pre-integrated") return;
-  table.put_of_stage(cast.id(), without.parameter, without.value);
+  if (without.item == "preintegration" && choice_given(table, stage, "integrator") != "pre-integrated")
+    return;
+  table.put_of_stage(stage.id(), without.parameter, without.value);
 }
 
 }  // namespace
@@ -155,6 +159,10 @@ bool has_item(const Session& session, const std::string& item) {
   if (const auto level = mab_level_of(item))
     return stage("rays") == "mab" && *level < static_cast<int>(session.plan.mab_scales.size());
   if (item == "warp") return stage("warp") != "none";
+  if (item == "scan_out_correction") {
+    PipelineStage by_line = session.pipeline.at("warp");
+    return by_line.set_choice("scan_out", "lines") && by_line.values == session.pipeline.at("warp").values;
+  }
   return true;
 }
 

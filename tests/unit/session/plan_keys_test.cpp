@@ -28,6 +28,18 @@ TEST(PlanKeys, WhatIsNamedIsTakenOutOfTheSession) {
   EXPECT_EQ(again.pipeline.at("warp").stage.id(), "warp/none");
 }
 
+TEST(PlanKeys, WithoutScanOutCorrectionAWarpTakesThePoseOfTheMiddle) {
+  const std::vector<std::pair<std::string, std::string>> by_line = {{"pipeline.warp", "grid"},
+                                                                    {"stage.grid.scan_out", "lines"}};
+  EXPECT_TRUE(has_item(parse(smallest, by_line), "scan_out_correction"));
+  auto without = by_line;
+  without.emplace_back("plan.leave_out", "scan_out_correction");
+  const Session session = parse(smallest, without);
+  EXPECT_FALSE(has_item(session, "scan_out_correction"));
+  EXPECT_EQ(session.pipeline.at("warp").value("scan_out"), 0.0);
+  EXPECT_FALSE(has_item(parse(smallest, {{"pipeline.warp", "none"}}), "scan_out_correction"));
+}
+
 TEST(PlanKeys, AnItemThatIsNotThereIsNoError) {
   const Session session =
       parse(smallest, {{"plan.leave_out", "preintegration,early_termination,stereo,rays,skip"}});
