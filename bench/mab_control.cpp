@@ -73,9 +73,12 @@ MabControlRow drive(const StageRegistry& stages, const Scenario& scenario, bool 
   FrameLoopConfig config = global_90_hz(vsyncs);
   if (in_cells) config.chunked = ChunkedParams{.give_up_periods = 1};
   const PacingRun run = run_pacing(stages, config, cost, work, name);
-  MabControlRow row{
-      name, 100.0 * run.figures.missed_ratio, run.figures.longest_stale_run,
-      cost.rays() / full_rays / static_cast<double>(std::max<std::int64_t>(run.loop.eye_frames_started, 1))};
+  MabControlRow row;
+  row.control = name;
+  row.missed_percent = 100.0 * run.figures.missed_ratio;
+  row.longest_run = run.figures.longest_stale_run;
+  row.ray_share_mean =
+      cost.rays() / full_rays / static_cast<double>(std::max<std::int64_t>(run.loop.eye_frames_started, 1));
   row.load = scenario.name;
   row.schedule = in_cells ? "chunked" : "whole_frame";
   row.repeated_percent = 100.0 * run.repeated_ratio;
