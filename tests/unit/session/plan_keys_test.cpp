@@ -29,8 +29,8 @@ TEST(PlanKeys, WhatIsNamedIsTakenOutOfTheSession) {
 }
 
 TEST(PlanKeys, WithoutScanOutCorrectionAWarpTakesThePoseOfTheMiddle) {
-  const std::vector<std::pair<std::string, std::string>> by_line = {{"pipeline.warp", "grid"},
-                                                                    {"stage.grid.scan_out", "lines"}};
+  const std::vector<std::pair<std::string, std::string>> by_line = {{"pipeline.warp", "by_line"},
+                                                                    {"stage.by_line.scan_out", "lines"}};
   EXPECT_TRUE(has_item(parse(smallest, by_line), "scan_out_correction"));
   auto without = by_line;
   without.emplace_back("plan.leave_out", "scan_out_correction");

@@ -25,6 +25,13 @@ StageInfo stage_with_parameters() {
   return grid;
 }
 
+StageInfo stage_by_line() {
+  StageInfo by_line = stage("warp", "by_line");
+  by_line.parameters = {
+      {"scan_out", ParameterType::choice, "", "of the panel", 0.0, 1.0, 0.0, {"middle", "lines"}}};
+  return by_line;
+}
+
 /// rays/mab as far as its levels go.
 StageInfo stage_with_levels() {
   StageInfo mab = stage("rays", "mab");
@@ -58,6 +65,7 @@ StageRegistry session_stages() {
   }
   stages.add(stage_with_parameters());
   stages.add(stage_with_levels());
+  stages.add(stage_by_line());
   return stages;
 }
 
