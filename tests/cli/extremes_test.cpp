@@ -203,8 +203,10 @@ TEST(Extremes, StagesThatDoNotGoTogetherSayWhich) {
       words.insert(words.end(),
                    {"--set", "pipeline." + id.substr(0, id.find('/')) + "=" + id.substr(id.find('/') + 1)});
       if (const auto cast = casts().find(value); cast != casts().end())
-        for (const std::string& line : cast->second)
+        for (std::string line : cast->second) {
+          std::erase_if(line, [](char c) { return c == ' ' || c == '\''; });
           words.insert(words.end(), {"--set", line});
+        }
     }
     const Outcome outcome = place.brace(words);
     EXPECT_EQ(outcome.exit_code, 2) << a << " with " << b << ": " << outcome.out << outcome.err;
