@@ -164,10 +164,10 @@ MabSettings following() {
 }
 
 /// Column and row of the smallest coordinate.
-glm::ivec2 finest(const MabPlan& plan, sim::Eye eye, int width) {
+glm::ivec2 finest(const MabPlan& plan, sim::Eye eye, int across) {
   const std::vector<float>& x = plan.coordinates(eye);
   const auto at = static_cast<int>(std::min_element(x.begin(), x.end()) - x.begin());
-  return {at % width, at / width};
+  return {at % across, at / across};
 }
 
 TEST(MabGaze, TheFinestRaysAreWhereTheEyesLookWithDisplaysThatAreCanted) {
