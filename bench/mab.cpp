@@ -34,16 +34,20 @@ const char* const levels_text =
 struct Scene {
   std::string profile, volume;
   double resolution_scale;
+  /// Vessels to look at; or fog from the eye on, where every ray is as much work.
+  const char* look = "transfer_function = 'ct-bone'\nposition = 'front:0.45'";
 };
+
+constexpr const char* fog = "transfer_function = 'ct-soft-tissue'\nposition = 'front:0.6'";
 
 Session session_of(const MabBenchOptions& options, const Scene& scene, const std::string& rays,
                    const std::string& map, const std::string& scheme) {
   const std::string text = fmt::format(
       "device.profile = '{}'\ndevice.resolution_scale = {}\ntrace.neck = {{ motion = 'still' }}\n"
       "pipeline.rays = '{}'\npipeline.skip = 'distance_map'\n"
-      "[scene]\nvolume = '{}'\ntransfer_function = 'ct-bone'\nsize_m = 1.0\nposition = 'front:0.45'\n"
+      "[scene]\nvolume = '{}'\n{}\nsize_m = 1.0\n"
       "[stage.mab]\nmap = '{}'\nscheme = '{}'\n{}",
-      scene.profile, scene.resolution_scale, rays, scene.volume, map, scheme, levels_text);
+      scene.profile, scene.resolution_scale, rays, scene.volume, scene.look, map, scheme, levels_text);
   return parse_session(text, "bench", ".", {}, options.stages);
 }
 
@@ -200,7 +204,7 @@ MabBenchResult bench_mab(const MabBenchOptions& options) {
       }
   if (wants("times"))
     measure_times(device, options,
-                  {options.profiles.front(), options.volumes.front(), 2 * options.resolution_scale},
+                  {options.profiles.front(), options.volumes.front(), 2 * options.resolution_scale, fog},
                   result.times);
   if (wants("controls")) result.controls = mab_control_rows(options.stages);
   return result;

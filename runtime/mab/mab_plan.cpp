@@ -49,7 +49,9 @@ void begin_where_enough(LevelAnchors& anchors, const MabSettings& settings,
   for (int i = 1; i < settings.levels; ++i) {
     const auto level = static_cast<std::size_t>(i);
     anchors.limit[level] = anchors.begin[level];
-    anchors.begin[level] = coordinates.coordinate_of(settings.scale[level]);
+    // At an entry of the table of weights: linear in between, a level would reach in before its begin.
+    const double entries = mab_weight_entries - 1;
+    anchors.begin[level] = std::ceil(coordinates.coordinate_of(settings.scale[level]) * entries) / entries;
   }
 }
 
