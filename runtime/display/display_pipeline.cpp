@@ -59,6 +59,7 @@ gpu::KernelDescription compose_display_kernel(const DisplayParts& parts) {
     kernel.defines.emplace_back("BRACE_ONE_FETCH", "1");
   else if (parts.lens.one_centre)
     kernel.defines.emplace_back("BRACE_ONE_CENTRE", "1");
+  if (parts.cell_poses) kernel.defines.emplace_back("BRACE_CELL_POSES", "1");
   if (parts.counters) kernel.defines.emplace_back("BRACE_COUNTERS", "1");
   return kernel;
 }

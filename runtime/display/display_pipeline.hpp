@@ -17,7 +17,7 @@ namespace brace {
 /// Binding slots of the display kernel; brace/warp.glsl is the same list.
 struct DisplaySlot {
   static constexpr std::uint32_t params = 0, source_image = 1, panel_image = 2, panel_tiles = 3, counters = 4,
-                                 source_depth = 5, first_of_warp = 6;
+                                 source_depth = 5, first_of_warp = 6, cell_of_pixel = 14, cell_poses = 15;
 };
 
 /// What a display kernel is put together from.
@@ -28,7 +28,8 @@ struct DisplayParts {
   gpu::IncludeResolver stages;
   std::vector<gpu::SpecConstant> constants;  // values of the parameters
   LensTraits lens;
-  bool counters = false;  // count pixels that the eye frame does not cover, and those that the warp fills
+  bool counters = false;    // count pixels that the eye frame does not cover, and those that the warp fills
+  bool cell_poses = false;  // the eye frame's cells were cast from poses of their own
 };
 
 gpu::KernelDescription compose_display_kernel(const DisplayParts& parts);

@@ -36,6 +36,7 @@ struct ChunkedParams {
   Cut cut = Cut::even;
   int give_up_periods = 0;  // a frame not done after so many is given up if one of the rays that load control
                             // then asks for is done sooner; 0: never
+  bool own_poses = false;   // each cell is cast from the pose that is predicted when it is submitted
 };
 
 /// Which cell of an eye frame is cast next, and how long it is expected to take. A cell's time is traced from

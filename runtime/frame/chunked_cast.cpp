@@ -47,6 +47,10 @@ ChunkedCast::ChunkedCast(const ChunkedParams& params)
 std::span<const CellCuts> ChunkedCast::cut() {
   BRACE_CHECK(schedule_.left() == 0 && first_in_flight_ == in_flight_.size());
   schedule_.begin_frame();
+  return cuts();
+}
+
+std::span<const CellCuts> ChunkedCast::cuts() const {
   if (schedule_params_.cut == ChunkedParams::Cut::even) return {};
   return schedule_.cuts();
 }
@@ -80,7 +84,7 @@ void ChunkedCast::submit_cell(const CellSchedule::Cell& cell, const Submit& subm
   in_flight_.push_back(cell);
   may_overrun_ = false;
   const CellOutcome& outcome = outcomes_[static_cast<std::size_t>(cell.number)];
-  submit({frame_, outcome, share_of(outcome)});
+  submit({frame_, cell.number, outcome, share_of(outcome)});
 }
 
 void ChunkedCast::submit_what_fits(SimTime now, SimTime deadline, bool gpu_free, const Submit& submit) {

@@ -21,8 +21,10 @@ class ChunkedCast {
 
   /// Cuts a new frame into cells; the one before must be done. Of the left and the right eye; empty: even.
   std::span<const CellCuts> cut();
+  /// The frame's: what cut() gave.
+  std::span<const CellCuts> cuts() const;
   /// Takes the outcomes of the cells it was cut into; the one before must be done. Without any in `outcome`
-  /// the frame's work is taken to be spread evenly.
+  /// the frame's work is taken to be spread evenly. With poses of their own cells have no outcome yet.
   void begin_frame(std::int64_t frame, const JobOutcome& outcome);
   /// A display period begins: one cell may be cast whatever it takes.
   void begin_period() { may_overrun_ = true; }
@@ -30,8 +32,9 @@ class ChunkedCast {
   /// One cell as a job.
   struct CellJob {
     std::int64_t frame = 0;
-    CellOutcome outcome;
-    double share = 1.0;  // of the frame's work
+    int cell = 0;
+    CellOutcome outcome;  // as begin_frame was told
+    double share = 1.0;   // of the frame's work
   };
   using Submit = std::function<void(const CellJob&)>;
 

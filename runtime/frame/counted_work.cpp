@@ -137,6 +137,14 @@ JobOutcome CountedWork::cast(const CastRequest& request) {
   return outcome;
 }
 
+CellOutcome CountedWork::cast_cell(const CellRequest& request) {
+  const JobOutcome whole = cast(request.frame);
+  if (!whole.cells.empty()) return whole.cells[static_cast<std::size_t>(request.cell)];
+  const double cells = 2.0 * request.frame.cell_columns * request.frame.cell_rows;
+  return {.work = difference(mix({}, whole.work, (request.cell + 1) / cells),
+                             mix({}, whole.work, request.cell / cells))};
+}
+
 JobOutcome CountedWork::warp(const WarpRequest& request) {
   return {.work = interpolate(request.start, [](const WorkProbe& probe) { return probe.warp; })};
 }

@@ -32,6 +32,7 @@ class CountedWork final : public FrameWork {
 
   JobOutcome update(const UpdateRequest& request) override;
   JobOutcome cast(const CastRequest& request) override;
+  CellOutcome cast_cell(const CellRequest& request) override;
   JobOutcome warp(const WarpRequest& request) override;
   ShowOutcome show(const ShowRequest& request) override;
 

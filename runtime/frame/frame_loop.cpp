@@ -30,6 +30,8 @@ struct EyeFrame {
   SimTime begin{};                        // when it was asked for
   double quality = 1.0;
   bool judged = false;  // the control stage has been told that it is late
+  SimTime aim{};        // photon time it was predicted for at its start
+  int cells_cast = 0;   // from poses of their own
 };
 
 /// What a warp makes of an eye frame: on its way to the panel, or on it.
@@ -138,6 +140,46 @@ void submit(Loop& loop, JobKind kind, std::int64_t index, const JobOutcome& outc
   expect_gpu_change(loop);
 }
 
+/// What a cast is asked for, from the newest pose.
+CastRequest cast_request(Loop& loop, const EyeFrame& eye, std::span<const CellCuts> cuts) {
+  const std::optional<ChunkedParams>& cells = loop.config.chunked;
+  return {.frame = eye.frame,
+          .slot = eye.slot,
+          .world_from_head = eye.world_from_head,
+          .start = loop.events.now(),
+          .quality = eye.quality,
+          .cell_columns = cells ? cells->columns : 0,
+          .cell_rows = cells ? cells->rows : 0,
+          .cuts = cuts,
+          .gaze = eye.gaze};
+}
+
+/// Gives an eye frame, or a cell of it, the pose that the newest readings predict for its photons.
+void aim_at(Loop& loop, EyeFrame& eye, SimTime target) {
+  const std::span<const brace_tracker_sample> readings = loop.inputs.head.readings(loop.events.now());
+  eye.world_from_head = predict(loop.inputs.predict, readings, target);
+  eye.reading_ns = readings.back().time_ns;
+  eye.target_ns = to_ns(target);
+}
+
+/// A cell from the pose as known now. A frame that is late by now is seen later than it was aimed at. The
+/// records name the pose of the cell in the middle.
+CellOutcome cast_cell(Loop& loop, int cell) {
+  EyeFrame& eye = *loop.casting;
+  EyeFrame now = eye;
+  const SimTime next = photon_mid(loop, loop.clock.first_at_or_after(loop.events.now() + warp_lead(loop)));
+  aim_at(loop, now, std::max(eye.aim, next));
+  const CellOutcome outcome =
+      loop.inputs.work.cast_cell({cast_request(loop, now, loop.chunked->cuts()), cell});
+  eye.work += outcome.work;
+  if (eye.cells_cast++ <= loop.chunked->cells() / 2) {
+    eye.world_from_head = now.world_from_head;
+    eye.reading_ns = now.reading_ns;
+    eye.target_ns = now.target_ns;
+  }
+  return outcome;
+}
+
 /// Cells of the eye frame at hand, as many as fit before the next warp is submitted.
 void submit_cells(Loop& loop) {
   if (!loop.chunked || !loop.casting) return;
@@ -148,7 +190,8 @@ void submit_cells(Loop& loop) {
   loop.chunked->submit_what_fits(
       loop.events.now(), deadline, !warp_runs || loop.config.queue == QueueKind::dual,
       [&](const ChunkedCast::CellJob& cell) {
-        submit(loop, JobKind::cast, cell.frame, {cell.outcome.work, cell.outcome.device_time}, cell.share,
+        const CellOutcome outcome = params.own_poses ? cast_cell(loop, cell.cell) : cell.outcome;
+        submit(loop, JobKind::cast, cell.frame, {outcome.work, outcome.device_time}, cell.share,
                params.cell_overhead);
       });
 }
@@ -193,29 +236,17 @@ void update_transfer(Loop& loop) {
 void start_eye_frame(Loop& loop) {
   update_transfer(loop);
   const SimTime now = loop.events.now();
-  const std::int64_t vsync = expect_vsync(loop);
-  const std::span<const brace_tracker_sample> readings = loop.inputs.head.readings(now);
-  const SimTime target = photon_mid(loop, vsync) + aim_offset(loop);
   EyeFrame eye;
   eye.frame = loop.result.eye_frames_started++;
-  eye.world_from_head = predict(loop.inputs.predict, readings, target);
-  eye.reading_ns = readings.back().time_ns;
+  eye.aim = photon_mid(loop, expect_vsync(loop)) + aim_offset(loop);
+  aim_at(loop, eye, eye.aim);
   eye.slot = loop.front ? (loop.front->slot + 1) % frame_slots : 0;
   eye.begin = now;
   eye.quality = loop.quality;
-  eye.target_ns = to_ns(target);
   if (loop.inputs.gaze != nullptr) eye.gaze = loop.inputs.gaze->known_at(now);
-  const std::optional<ChunkedParams>& cells = loop.config.chunked;
   const std::span<const CellCuts> cuts = loop.chunked ? loop.chunked->cut() : std::span<const CellCuts>();
-  const JobOutcome outcome = loop.inputs.work.cast({.frame = eye.frame,
-                                                    .slot = eye.slot,
-                                                    .world_from_head = eye.world_from_head,
-                                                    .start = now,
-                                                    .quality = loop.quality,
-                                                    .cell_columns = cells ? cells->columns : 0,
-                                                    .cell_rows = cells ? cells->rows : 0,
-                                                    .cuts = cuts,
-                                                    .gaze = eye.gaze});
+  const bool at_once = !loop.chunked || !loop.chunked->params().own_poses;
+  const JobOutcome outcome = at_once ? loop.inputs.work.cast(cast_request(loop, eye, cuts)) : JobOutcome();
   eye.work = outcome.work;
   loop.casting = eye;
   if (loop.chunked) {

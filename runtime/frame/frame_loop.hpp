@@ -114,10 +114,12 @@ struct FrameLoopResult {
 /// Pace::vsync later than the one where the frame before is seen. Finished by the GPU it is the front buffer.
 /// With Aim::middle it is predicted for later by half of what it is expected to be seen longer than a period.
 ///
-/// Chunked. An eye frame is cast in cells (CellSchedule), all from the pose of its start: between the
-/// submission of one warp and of the next as many as fit, at least one. What is left of the frame waits; it
-/// is the front buffer when its last cell is done. With give_up_periods a frame that takes longer is told to
-/// the control stage as a miss, with the cost that its cells so far let expect; if a frame of the quality
+/// Chunked. An eye frame is cast in cells (CellSchedule), all from the pose of its start, or with own_poses
+/// each from the pose that the newest readings predict, when it is submitted, for the photons aimed at (later
+/// ones once those cannot be reached any more); records then name the pose of the cell in the middle. Between
+/// the submission of one warp and of the next as many as fit, at least one. What is left of the frame waits;
+/// it is the front buffer when its last cell is done. With give_up_periods a frame that takes longer is told
+/// to the control stage as a miss, with the cost that its cells so far let expect; if a frame of the quality
 /// that it then asks for would be done sooner than the rest of this one, the rest is not cast, and that one
 /// starts at once.
 ///

@@ -5,6 +5,7 @@
 #include <optional>
 #include <span>
 
+#include "base/error.hpp"
 #include "base/pose.hpp"
 #include "base/time.hpp"
 #include "hmd_sim/pose_trace.hpp"
@@ -26,6 +27,13 @@ struct CastRequest {
   int cell_columns = 0, cell_rows = 0;    // of each eye: outcomes of cells are wanted; 0: of the frame alone
   std::span<const CellCuts> cuts{};       // of the left and the right eye into these cells; empty: even
   glm::dvec3 gaze = sim::straight_ahead;  // as known at `start`, in the head frame
+};
+
+/// One cell of an eye frame, from a pose of its own (ChunkedParams::own_poses). `frame` is asked for in this
+/// way alone: each of its cells once, in any order, and never as a whole.
+struct CellRequest {
+  CastRequest frame{};  // pose and start are the cell's
+  int cell = 0;         // of the left eye row by row, then of the right one
 };
 
 /// Head poses at the photons of a vsync's first and last line, in the order of the scan-out.
@@ -93,6 +101,11 @@ class FrameWork {
   /// Called between casts, before the cast of the eye frame that it names.
   virtual JobOutcome update(const UpdateRequest& request) = 0;
   virtual JobOutcome cast(const CastRequest& request) = 0;
+  /// Asked only where the schedule wants poses of cells; work that gives none need not say so.
+  virtual CellOutcome cast_cell(const CellRequest&) {
+    BRACE_CHECK(false);
+    return {};
+  }
   virtual JobOutcome warp(const WarpRequest& request) = 0;
   /// Called for every vsync from the first image on, in order. Not called before there is an image.
   virtual ShowOutcome show(const ShowRequest& request) = 0;

@@ -131,6 +131,24 @@ void require_cells(const Session& session) {
     refuse("clock.cost = 'recorded:…', which knows no cells", "other costs");
 }
 
+void require_cell_poses(const Session& session) {
+  const auto refuse = [](const std::string& what, const char* accepted) {
+    throw input_error(
+        "schedule/chunked with poses = 'cell' does not work with {}; accepted: {}, or poses = 'frame'", what,
+        accepted);
+  };
+  const auto id = [&](const char* family) { return session.pipeline.at(family).stage.id(); };
+  if (id("rays") != "rays/full_rate")
+    refuse(id("rays") + ", whose pixels are not each of one cell", "rays/full_rate");
+  if (id("stereo") != "stereo/two_pass")
+    refuse(id("stereo") + ", whose eyes share their rays", "stereo/two_pass");
+  if (id("skip") == "skip/occlusion")
+    refuse("skip/occlusion, whose first hits are of one pose", "another skip stage");
+  const PipelineStage& warp = session.pipeline.at("warp");
+  if (warp.stage.native != nullptr || takes_layers(warp))
+    refuse(warp.stage.id() + ", which takes an eye frame of one pose", "warp/none, warp/quad, warp/grid");
+}
+
 void require_levels(const Session& session) {
   if (const std::string stereo = session.pipeline.at("stereo").stage.id(); stereo != "stereo/two_pass") {
     throw input_error("{}: lod does not work with {}; accepted: stereo/two_pass, or lod = \"off\"",
@@ -398,6 +416,31 @@ JobOutcome EyeRenderer::render_cells(const Pose& world_from_head, const EyePair&
     outcome.device_time += cell.device_time;
   }
   return outcome;
+}
+
+CellOutcome EyeRenderer::render_cell(const Pose& world_from_head, const EyePair& into, int number,
+                                     const Cells& cells) {
+  const int per_eye = cells.columns * cells.rows;
+  const auto i = static_cast<std::size_t>(number / per_eye);
+  const CellCuts even(cells.columns, cells.rows);
+  const CellCuts& cuts = cells.cuts.empty() ? even : cells.cuts[i];
+  const EyeTarget& target = into[i];
+  const auto eye = static_cast<sim::Eye>(i);
+  const CastArea area = rays_of(cuts.area(number % per_eye), {0, 0, target.width_px, target.height_px});
+  if (area.width == 0 || area.height == 0) return {};
+  set_eye(eye, eye_view(headset_, eye, world_from_head), target);
+  const CastPipeline::Resources resources = resources_of(eye, target);
+  pipeline_.reset_counters(device_);
+  CellOutcome cell;
+  cell.device_time = submit_step("cell", [&] {
+    pipeline_.record_opening(commands_, resources, area);
+    commands_.barrier();
+    pipeline_.record_cast(commands_, resources, area);
+    commands_.barrier();
+    pipeline_.record_closing(commands_, resources, area);
+  });
+  cell.work = pipeline_.counted(device_);
+  return cell;
 }
 
 JobOutcome EyeRenderer::render_by_line(const ScanPoses& world_from_head, const EyePair& into) {

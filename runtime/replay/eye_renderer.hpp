@@ -23,6 +23,9 @@ std::optional<MabPlan> plan_mab(const Session& session, const Headset& headset);
 /// Throws input_error for stages that schedule/chunked cannot cast in cells.
 void require_cells(const Session& session);
 
+/// Throws input_error for stages whose cells cannot have poses of their own.
+void require_cell_poses(const Session& session);
+
 /// Throws input_error for stages whose rays cannot begin where skip/occlusion says.
 void require_occlusion(const Session& session);
 
@@ -80,6 +83,10 @@ class EyeRenderer {
   /// alone: see require_cells.
   JobOutcome render_cells(const Pose& world_from_head, const EyePair& into, double quality,
                           const Cells& cells);
+
+  /// One of those cells alone, from a pose of its own, into an eye frame whose other cells stay as they are.
+  /// For what require_cell_poses accepts.
+  CellOutcome render_cell(const Pose& world_from_head, const EyePair& into, int number, const Cells& cells);
 
   /// Full rate, each ray from where the eye is when the panel shows its pixel. The session's rays are those
   /// of ScanLineRays::opening.

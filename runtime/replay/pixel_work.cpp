@@ -5,6 +5,7 @@
 #include <fmt/core.h>
 
 #include "runtime/metrics/image_error.hpp"
+#include "runtime/replay/series_facts.hpp"
 
 namespace brace {
 
@@ -19,7 +20,7 @@ PixelWork::PixelWork(const Inputs& inputs)
       display_(
           inputs.device, inputs.headset, inputs.session.pipeline.at("warp"), inputs.options.no_warp,
           scene_activation(inputs.device, inputs.session, inputs.headset, inputs.scene, inputs.placement),
-          inputs.options.data_folder) {
+          inputs.options.data_folder, cells_have_poses(inputs.session.pipeline.at("schedule"))) {
   for (EyePair& slot : slots_)
     slot = make_eye_pair(inputs.device, inputs.session, inputs.headset);
   if (!error_at_.any()) return;
@@ -49,11 +50,26 @@ JobOutcome PixelWork::cast(const CastRequest& request) {
                                 {request.cell_columns, request.cell_rows, request.cuts});
 }
 
+CellOutcome PixelWork::cast_cell(const CellRequest& request) {
+  const CastRequest& frame = request.frame;
+  const auto slot = static_cast<std::size_t>(frame.slot);
+  CellPoses& poses = cell_poses_[slot];
+  const auto per_eye = static_cast<std::size_t>(frame.cell_columns * frame.cell_rows);
+  for (std::size_t eye = 0; eye < 2; ++eye) {
+    poses.cuts[eye] = frame.cuts.empty() ? CellCuts(frame.cell_columns, frame.cell_rows) : frame.cuts[eye];
+    poses.world_from_head[eye].resize(per_eye);
+  }
+  const auto cell = static_cast<std::size_t>(request.cell);
+  poses.world_from_head[cell / per_eye][cell % per_eye] = frame.world_from_head;
+  return renderer_.render_cell(frame.world_from_head, slots_[slot], request.cell,
+                               {frame.cell_columns, frame.cell_rows, frame.cuts});
+}
+
 JobOutcome PixelWork::warp(const WarpRequest& request) {
   const EyePair& eyes = slots_[static_cast<std::size_t>(request.slot)];
-  const JobOutcome outcome =
-      display_.show({eyes, request.render_world_from_head, request.warp_world_from_head, request.frame,
-                     request.vsync_index, request.warp_scan});
+  const JobOutcome outcome = display_.show(
+      {eyes, request.render_world_from_head, request.warp_world_from_head, request.frame, request.vsync_index,
+       request.warp_scan, &cell_poses_[static_cast<std::size_t>(request.slot)]});
   if (error_at_.any() || pictures_at_.any()) waiting_ = display_.read();
   return outcome;
 }

@@ -37,6 +37,7 @@ class PixelWork final : public FrameWork {
 
   JobOutcome update(const UpdateRequest& request) override;
   JobOutcome cast(const CastRequest& request) override;
+  CellOutcome cast_cell(const CellRequest& request) override;
   JobOutcome warp(const WarpRequest& request) override;
   ShowOutcome show(const ShowRequest& request) override;
 
@@ -54,6 +55,7 @@ class PixelWork final : public FrameWork {
   VsyncSelection error_at_, pictures_at_;
   EyeRenderer renderer_;
   std::array<EyePair, frame_slots> slots_;
+  std::array<CellPoses, frame_slots> cell_poses_;  // of the slots, where cells have poses of their own
   PanelDisplay display_;
   PanelPair waiting_, shown_;          // of the last warp; of the panels
   std::optional<IdealPicture> ideal_;  // of the errors

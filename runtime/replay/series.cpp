@@ -45,6 +45,7 @@ std::optional<ChunkedParams> chunked_params(const PipelineStage& schedule) {
   params.guard = static_cast<ChunkedParams::Guard>(static_cast<int>(schedule.value("guard")));
   params.order = static_cast<ChunkedParams::Order>(static_cast<int>(schedule.value("order")));
   params.cut = static_cast<ChunkedParams::Cut>(static_cast<int>(schedule.value("cut")));
+  params.own_poses = cells_have_poses(schedule);
   params.bias = schedule.value("bias");
   if (schedule.value("reserve_ms") > 0.0) params.reserve = from_s(schedule.value("reserve_ms") * 1e-3);
   params.cell_overhead = from_s(schedule.value("cell_overhead_us") * 1e-6);

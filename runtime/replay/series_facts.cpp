@@ -35,6 +35,10 @@ bool warps_by_line(const PipelineStage& warp) {
   return by_line.set_choice("scan_out", "lines") && by_line.values == warp.values;
 }
 
+bool cells_have_poses(const PipelineStage& schedule) {
+  return schedule.stage.id() == "schedule/chunked" && schedule.value("poses") == 1.0;
+}
+
 WarpPose warp_pose_of(const PipelineStage& warp) {
   if (warp.stage.native != nullptr) return WarpPose::rotation_and_translation;
   const auto& inputs = warp.stage.inputs;

@@ -9,6 +9,7 @@
 #include "runtime/raycast/volume_levels.hpp"
 #include "runtime/replay/cast_integrator.hpp"
 #include "runtime/replay/recorded_work.hpp"
+#include "runtime/replay/series_facts.hpp"
 #include "runtime/report/progress.hpp"
 
 namespace brace {
@@ -167,6 +168,7 @@ SeriesWork make_work(const SeriesWorkInputs& in) {
   const Session& session = in.session;
   SeriesWork work;
   if (session.pipeline.at("schedule").stage.id() == "schedule/chunked") require_cells(session);
+  if (cells_have_poses(session.pipeline.at("schedule"))) require_cell_poses(session);
   if (session.pipeline.at("skip").stage.id() == "skip/occlusion") require_occlusion(session);
   if (wants_levels(session.pipeline.at("cast"))) require_levels(session);
   announce_rays(in, work);

@@ -81,7 +81,8 @@ constexpr const char* kStyle =
     "14px;"
     " margin-bottom: 12px; } .plots figure { max-width: 560px; width: 100%; margin: 0 auto; } .plots figure "
     "> svg { width: 100%; height: auto; } .legend svg { width: 14px; }"
-    ".legend { justify-content: center; }";
+    ".legend { justify-content: center; } .card > h2 + .quiet { margin: 0 0 10px; } .device { margin: -10px "
+    "0 12px; }";
 
 // The colours follow the system's preference until the button is pressed.
 constexpr const char* kScript =
@@ -122,7 +123,7 @@ void write_verify_page(const std::filesystem::path& path, const VerifyReport& re
                        const std::filesystem::path& page_folder) {
   OutputFile file(path);
   file.write(page_head(page_folder, "Numerical verification"));
-  file.write(fmt::format("<style>{}</style><main><p class='quiet'>Brace {} on {}</p>", kStyle,
+  file.write(fmt::format("<style>{}</style><main><p class='quiet device'>Brace {} on {}</p>", kStyle,
                          html_text(report.version), html_text(report.device)));
   const std::size_t failed = report.failed();
   file.write("<section class='tiles' aria-label='Headline figures'>");

@@ -1,4 +1,6 @@
 // schedule/chunked through the command: its pictures are those of a whole frame.
+#include <algorithm>
+
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -65,6 +67,27 @@ TEST_F(ChunkedRun, PicturesAreThoseOfWholeFramesWithEveryRaysAndSkipStage) {
   }
 }
 
+// Eye frames of six periods, whose cells see the head ever further on.
+const std::vector<std::string> slow = {
+    "clock.cost=scripted",     "clock.script=[{from_s=0,cast_ms=60,warp_ms=1}]",
+    "clock.queue=single",      "pipeline.schedule=chunked",
+    "pipeline.predict=none",   "output.images=none",
+    "output.error=every:3",    "run.frames=40",
+    "stage.chunked.columns=4", "stage.chunked.rows=4"};
+
+TEST_F(ChunkedRun, UnderATranslationCellsComeNearerFromPosesOfTheirOwn) {
+  const auto error = [&](const std::string& poses) {
+    std::vector<std::string> settings = slow;
+    settings.insert(settings.end(), {"trace.neck={motion='translation',metres=0.3,seconds=0.5}",
+                                     "pipeline.warp=quad", "stage.chunked.poses=" + poses});
+    run(poses, settings);
+    return nlohmann::json::parse(place_.read(poses + "/summary.json"))["dssim"]["mean"].get<double>();
+  };
+  const double of_frame = error("frame"), of_cells = error("cell");
+  EXPECT_GT(of_frame, 1e-3);
+  EXPECT_LT(of_cells, 0.85 * of_frame);
+}
+
 TEST_F(ChunkedRun, CountedCellsCostWhatRenderedOnesDo) {
   const std::vector<std::string> chunked = {"pipeline.schedule=chunked", "clock.queue=single"};
   run("rendered", chunked);
@@ -93,6 +116,15 @@ TEST_F(ChunkedRun, WhatCannotBeCastInCellsIsRefusedByName) {
   EXPECT_EQ(composed.exit_code, 2);
   EXPECT_THAT(composed.err, HasSubstr("does not work with stereo/layers"));
   EXPECT_EQ(try_run("a", {"pipeline.schedule=chunked", "stage.chunked.columns=0"}).exit_code, 2);
+  for (const char* setting : {"pipeline.rays=mab", "pipeline.stereo=layers", "pipeline.stereo=novel_view",
+                              "pipeline.skip=occlusion", "pipeline.warp=volumetric"}) {
+    const Outcome outcome = try_run("a", {"pipeline.schedule=chunked", "stage.chunked.poses=cell", setting});
+    EXPECT_EQ(outcome.exit_code, 2) << setting;
+    std::string id = std::string(setting).substr(9);
+    std::replace(id.begin(), id.end(), '=', '/');
+    EXPECT_THAT(outcome.err, ::testing::AllOf(HasSubstr("poses = 'cell' does not work with " + id),
+                                              HasSubstr("accepted: ")));
+  }
   EXPECT_THAT(place_.names(), ::testing::ElementsAre("s.toml"));
 }
 

@@ -56,12 +56,18 @@ struct Source {
 
 bool within(vec2 x, vec2 low, vec2 high) { return all(greaterThanEqual(x, low)) && all(lessThanEqual(x, high)); }
 
+// Beyond the usable radius nothing is shown; the clamp keeps the lens model in its domain there.
+vec2 tangents(uint channel, vec2 point, float r2) {
+  return point * (lens_scale(channel, min(r2, brace_display.centre[channel].z)) * brace_display.pitch.zw);
+}
+
+vec2 source_position(vec2 tan_xy) { return brace_warp_source(tan_xy) * brace_display.source.xy + brace_display.source.zw; }
+
 Source find_source(uint channel, vec2 point, float r2) {
-  // Beyond the usable radius nothing is shown; the clamp keeps the lens model in its domain there.
   const float usable2 = brace_display.centre[channel].z;
-  const vec2 tan_xy = point * (lens_scale(channel, min(r2, usable2)) * brace_display.pitch.zw);
+  const vec2 tan_xy = tangents(channel, point, r2);
   Source source;
-  source.position = brace_warp_source(tan_xy) * brace_display.source.xy + brace_display.source.zw;
+  source.position = source_position(tan_xy);
   const bool covered = within(source.position, vec2(-0.5), brace_display.source_max.zw);
 #ifdef BRACE_WARP_IDENTITY
   const bool visible = r2 <= usable2;
@@ -97,12 +103,41 @@ uint blend(uvec4 texels, vec2 weight, uint channel, bool seen) {
   return (seen ? uint(mix(rows.x, rows.y, weight.y) + 0.5) : 0u) << (8u * channel);
 }
 
+#ifdef BRACE_CELL_POSES
+// The cell of the source pixel that green shows from the pose of the cell at hand.
+uint cell_seen(vec2 pixel) {
+  const vec2 point = pixel * brace_display.pitch.xy + brace_display.centre[1].xy;
+  const vec2 position = source_position(tangents(1u, point, dot(point, point))) + 0.5;
+  const ivec2 texel = ivec2(clamp(position, vec2(0.0), brace_display.source_max.zw));
+  return texelFetch(brace_cell_of_pixel, texel.y * int(brace_display.grid.x) + texel.x).x;
+}
+
+// A pixel shows a cell whose pose says that it does. Two guesses find it unless it lies where cells, each seen from
+// where the eye is now, have come apart or overlap: there the last one counts, and as filled.
+void choose_cell(vec2 pixel) {
+  [[unroll]] for (uint i = 0u; i < 2u; ++i) brace_cell = cell_seen(pixel);
+  brace_warp_filled = false;
+#ifdef BRACE_WARP_PER_PIXEL
+  warp_pixel(pixel);
+#endif
+  const uint seen = cell_seen(pixel);
+  if (seen == brace_cell) return;
+  brace_cell = seen;
+#ifdef BRACE_WARP_PER_PIXEL
+  warp_pixel(pixel);
+#endif
+  brace_warp_filled = brace_warp_filled || cell_seen(pixel) != brace_cell;
+}
+#endif
+
 uint panel_pixel(vec2 pixel) {
   uint packed = 0xff000000u;
 #if defined(BRACE_WARP_SCAN_OUT_LINES)
   brace_scan = dot(pixel, brace_display.scan.xy) + brace_display.scan.z;
 #endif
-#ifdef BRACE_WARP_PER_PIXEL
+#if defined(BRACE_CELL_POSES)
+  choose_cell(pixel);
+#elif defined(BRACE_WARP_PER_PIXEL)
   warp_pixel(pixel);
 #endif
 #ifdef BRACE_ONE_FETCH

@@ -10,7 +10,7 @@ layout(set = 0, binding = BRACE_SLOT_SOURCE_DEPTH) uniform samplerBuffer brace_s
 // Nearer to the old eye's plane than this share of the direction's length there is no picture.
 #define GRID_BESIDE 1e-3
 
-vec2 grid_parallax;  // tangents, from where the pixel's direction lies at infinity to where its point is
+vec2 grid_parallax = vec2(0.0);  // tangents, from where the pixel's direction lies at infinity to where its point is
 
 // 1 / depth of the old picture's nearest pixel; 0 where it hit nothing, or has no number.
 float grid_inverse_depth(vec2 tan_xy) {

@@ -124,6 +124,68 @@ TEST(Chunked, ShowsEveryFrameWholeAndRecordsAllOfItsWork) {
   }
 }
 
+/// Cells of a millisecond that are asked for one by one.
+class OwnPoseWork final : public FrameWork {
+ public:
+  JobOutcome update(const UpdateRequest&) override { return {}; }
+  JobOutcome cast(const CastRequest&) override {
+    ADD_FAILURE() << "a frame is asked for by its cells alone";
+    return {};
+  }
+  CellOutcome cast_cell(const CellRequest& request) override {
+    asked.push_back(request);
+    return {.work = {.samples = 1'000'000}};
+  }
+  JobOutcome warp(const WarpRequest& request) override {
+    shown.push_back(request);
+    return {};
+  }
+  ShowOutcome show(const ShowRequest&) override { return {std::nan(""), std::nan("")}; }
+
+  std::vector<CellRequest> asked;
+  std::vector<WarpRequest> shown;
+};
+
+TEST(Chunked, CellsWithPosesOfTheirOwnAreEachAskedForOnceFromTheNewestReadings) {
+  Rig rig({.motion = sim::Motion::natural, .seconds = 2});
+  rig.config.chunked = cells_of(4, ChunkedParams::Guard::clock);
+  rig.config.chunked->own_poses = true;
+  rig.config.pace = Pace::free;
+  rig.config.queue = QueueKind::single;
+  rig.predictor = &stages::predict_none;
+  OwnPoseWork work;
+  rig.work = &work;
+  SampleCost cost;
+  RunRecords records;
+  const FrameLoopResult result = rig.run(records, cost);
+  ASSERT_GT(result.eye_frames_finished, 20);
+  std::map<std::int64_t, std::vector<CellRequest>> frames;
+  for (const CellRequest& request : work.asked)
+    frames[request.frame.frame].push_back(request);
+  for (std::int64_t frame = 0; frame < result.eye_frames_finished; ++frame) {
+    const std::vector<CellRequest>& cells = frames[frame];
+    ASSERT_EQ(cells.size(), 32u);
+    for (int i = 0; i < 32; ++i) {
+      EXPECT_EQ(cells[static_cast<std::size_t>(i)].cell, i) << "by rows";
+      EXPECT_EQ(cells[static_cast<std::size_t>(i)].frame.slot, cells[0].frame.slot);
+    }
+    // A frame takes about three periods: the head has moved on, and each cell knows.
+    EXPECT_GT(cells.back().frame.start - cells.front().frame.start, ms(30));
+    EXPECT_NE(cells.back().frame.world_from_head.position, cells.front().frame.world_from_head.position);
+  }
+  for (const FrameRecord& record : records.frames()) {
+    if (record.displayed_frame < 0) continue;
+    const std::vector<CellRequest>& cells = frames[record.displayed_frame];
+    EXPECT_NEAR(static_cast<double>(record.render_pose_ns), static_cast<double>(to_ns(cells[16].frame.start)),
+                1e6)
+        << "of the cell in the middle";
+    EXPECT_EQ(record.work.samples, 32'000'000u);
+  }
+  for (const WarpRequest& request : work.shown)
+    EXPECT_EQ(request.render_world_from_head.position,
+              frames[request.frame][16].frame.world_from_head.position);
+}
+
 TEST(Chunked, AtLeastOneCellIsCastPerPeriodWhateverItTakes) {
   for (const auto guard : {ChunkedParams::Guard::clock, ChunkedParams::Guard::prediction}) {
     // A cell takes 15 ms, more than a period.

@@ -18,7 +18,9 @@
 #define BRACE_SLOT_PANEL_TILES 3   // texel buffer: visible tiles, column in the low and row in the high 16 bits
 #define BRACE_SLOT_DISPLAY_COUNTERS 4
 #define BRACE_SLOT_SOURCE_DEPTH 5  // texel buffer: a float per pixel, metres from the old eye, or BRACE_NO_HIT
-// 6 … 15 belong to the warp stage.
+// 6 … 13 belong to the warp stage.
+#define BRACE_SLOT_CELL_OF_PIXEL 14  // texel buffer: which cell of the eye frame a source pixel was cast in
+#define BRACE_SLOT_CELL_POSES 15     // storage: old_from_new and old_from_last of every cell
 
 layout(std140, set = 0, binding = BRACE_SLOT_DISPLAY) uniform BraceDisplayBlock { BraceDisplayParams brace_display; };
 
@@ -27,14 +29,25 @@ bool brace_warp_filled = false;
 // Finite, and far outside every picture.
 #define BRACE_NO_SOURCE vec2(1e9)
 
+#if defined(BRACE_CELL_POSES)
+// Cells of the source picture were cast from poses of their own; the display kernel chooses the cell at hand.
+layout(set = 0, binding = BRACE_SLOT_CELL_OF_PIXEL) uniform usamplerBuffer brace_cell_of_pixel;
+layout(std430, set = 0, binding = BRACE_SLOT_CELL_POSES) readonly buffer BraceCellPoses { vec4 brace_cell_poses[]; };
+uint brace_cell = 0u;
+#define BRACE_FIRST_LINE(i) brace_cell_poses[8u * brace_cell + uint(i)].xyz
+#define BRACE_LAST_LINE(i) brace_cell_poses[8u * brace_cell + 4u + uint(i)].xyz
+#else
+#define BRACE_FIRST_LINE(i) brace_display.old_from_new[i].xyz
+#define BRACE_LAST_LINE(i) brace_display.old_from_last[i].xyz
+#endif
+
 #if defined(BRACE_WARP_SCAN_OUT_LINES)
 // How far the scan-out is at the panel pixel at hand: 0 at the first line, 1 at the last. Between their two poses
 // the head is taken to move straight, which for the turn of a period is right to 1e-5 of a radian.
 float brace_scan = 0.0;
-#define BRACE_OLD_FROM_NEW(i) \
-  (brace_display.old_from_new[i].xyz + brace_scan * (brace_display.old_from_last[i].xyz - brace_display.old_from_new[i].xyz))
+#define BRACE_OLD_FROM_NEW(i) (BRACE_FIRST_LINE(i) + brace_scan * (BRACE_LAST_LINE(i) - BRACE_FIRST_LINE(i)))
 #else
-#define BRACE_OLD_FROM_NEW(i) brace_display.old_from_new[i].xyz
+#define BRACE_OLD_FROM_NEW(i) BRACE_FIRST_LINE(i)
 #endif
 
 // A point given in the new eye frame, in the eye frame of the source picture, metres.
