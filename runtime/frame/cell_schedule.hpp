@@ -37,6 +37,7 @@ struct ChunkedParams {
   int give_up_periods = 0;  // a frame not done after so many is given up if one of the rays that load control
                             // then asks for is done sooner; 0: never
   bool own_poses = false;   // each cell is cast from the pose that is predicted when it is submitted
+  bool swap_cells = false;  // and shown as soon as it is done, between cells of the frame before
 };
 
 /// Which cell of an eye frame is cast next, and how long it is expected to take. A cell's time is traced from

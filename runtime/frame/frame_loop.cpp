@@ -122,22 +122,41 @@ Pose predict(const PredictStage& stage, std::span<const brace_tracker_sample> re
 void expect_gpu_change(Loop& loop) {
   const std::optional<SimTime> change = loop.gpu.next_change();
   if (!change || (loop.gpu_event && *loop.gpu_event <= *change)) return;
-  loop.events.push(*change, LoopEvent::gpu_change);
-  loop.gpu_event = change;
+  loop.gpu_event = std::max(*change, loop.events.now());
+  loop.events.push(*loop.gpu_event, LoopEvent::gpu_change);
+}
+
+/// What a job costs that was begun at `begun`; by a wall clock it has just ended.
+SimDuration cost_of(Loop& loop, const CostQuery& query, SimTime begun, SimDuration overhead) {
+  if (loop.inputs.wall == nullptr) return loop.inputs.cost.cost(query) + overhead;
+  loop.events.catch_up(loop.inputs.wall->now());
+  return loop.events.now() - begun;
 }
 
 void submit(Loop& loop, JobKind kind, std::int64_t index, const JobOutcome& outcome, double share = 1.0,
             SimDuration overhead = SimDuration(0)) {
   const SimTime now = loop.events.now();
-  const SimDuration cost = loop.inputs.cost.cost({.kind = kind,
-                                                  .index = index,
-                                                  .elapsed = now.time_since_epoch(),
-                                                  .work = outcome.work,
-                                                  .device_time = outcome.device_time,
-                                                  .share = share}) +
-                           overhead;
+  const SimDuration cost = cost_of(loop,
+                                   {.kind = kind,
+                                    .index = index,
+                                    .elapsed = now.time_since_epoch(),
+                                    .work = outcome.work,
+                                    .device_time = outcome.device_time,
+                                    .share = share},
+                                   now, overhead);
   loop.gpu.submit({.kind = kind, .index = index, .cost = cost, .work = outcome.work}, now);
   expect_gpu_change(loop);
+}
+
+bool swaps_cells(const Loop& loop) {
+  return loop.chunked && loop.chunked->params().swap_cells;
+}
+
+/// How much later than its first photons an eye frame is aimed at.
+SimDuration aim_offset(const Loop& loop) {
+  if (loop.config.aim == Aim::first) return SimDuration(0);
+  const SimDuration period = period_of(loop);
+  return std::max(loop.frame_intervals.mean_or(period) - period, SimDuration(0)) / 2;
 }
 
 /// What a cast is asked for, from the newest pose.
@@ -162,22 +181,41 @@ void aim_at(Loop& loop, EyeFrame& eye, SimTime target) {
   eye.target_ns = to_ns(target);
 }
 
-/// A cell from the pose as known now. A frame that is late by now is seen later than it was aimed at. The
-/// records name the pose of the cell in the middle.
-CellOutcome cast_cell(Loop& loop, int cell) {
-  EyeFrame& eye = *loop.casting;
+/// Whether cells are cast when they are submitted, one by one.
+bool casts_cell_by_cell(const Loop& loop) {
+  return loop.chunked && (loop.chunked->params().own_poses || loop.inputs.wall != nullptr);
+}
+
+/// Aims a cell at photons that it can still reach: its own, or those of its frame. The records name the pose
+/// of the cell in the middle.
+EyeFrame with_own_pose(Loop& loop, EyeFrame& eye) {
   EyeFrame now = eye;
   const SimTime next = photon_mid(loop, loop.clock.first_at_or_after(loop.events.now() + warp_lead(loop)));
-  aim_at(loop, now, std::max(eye.aim, next));
-  const CellOutcome outcome =
-      loop.inputs.work.cast_cell({cast_request(loop, now, loop.chunked->cuts()), cell});
-  eye.work += outcome.work;
-  if (eye.cells_cast++ <= loop.chunked->cells() / 2) {
+  const SimTime own = next + aim_offset(loop);
+  aim_at(loop, now, swaps_cells(loop) ? own : std::max(eye.aim, own));
+  if (eye.cells_cast <= loop.chunked->cells() / 2) {
     eye.world_from_head = now.world_from_head;
     eye.reading_ns = now.reading_ns;
     eye.target_ns = now.target_ns;
   }
+  return now;
+}
+
+CellOutcome cast_cell(Loop& loop, int cell) {
+  EyeFrame& eye = *loop.casting;
+  const EyeFrame seen = loop.chunked->params().own_poses ? with_own_pose(loop, eye) : eye;
+  const CellOutcome outcome =
+      loop.inputs.work.cast_cell({cast_request(loop, seen, loop.chunked->cuts()), cell});
+  eye.work += outcome.work;
+  ++eye.cells_cast;
   return outcome;
+}
+
+/// Of a frame's work; what that will be is not known before its last cell: as in the frame before.
+double share_of(const Loop& loop, const CellOutcome& cell) {
+  const std::uint64_t samples = loop.front ? loop.front->work.samples : 0;
+  return samples > 0 ? static_cast<double>(cell.work.samples) / static_cast<double>(samples)
+                     : 1.0 / loop.chunked->cells();
 }
 
 /// Cells of the eye frame at hand, as many as fit before the next warp is submitted.
@@ -190,9 +228,10 @@ void submit_cells(Loop& loop) {
   loop.chunked->submit_what_fits(
       loop.events.now(), deadline, !warp_runs || loop.config.queue == QueueKind::dual,
       [&](const ChunkedCast::CellJob& cell) {
-        const CellOutcome outcome = params.own_poses ? cast_cell(loop, cell.cell) : cell.outcome;
-        submit(loop, JobKind::cast, cell.frame, {outcome.work, outcome.device_time}, cell.share,
-               params.cell_overhead);
+        const bool now = casts_cell_by_cell(loop);
+        const CellOutcome outcome = now ? cast_cell(loop, cell.cell) : cell.outcome;
+        submit(loop, JobKind::cast, cell.frame, {outcome.work, outcome.device_time},
+               now ? share_of(loop, outcome) : cell.share, params.cell_overhead);
       });
 }
 
@@ -214,13 +253,6 @@ std::int64_t expect_vsync(Loop& loop) {
   return vsync;
 }
 
-/// How much later than its first photons an eye frame is aimed at.
-SimDuration aim_offset(const Loop& loop) {
-  if (loop.config.aim == Aim::first) return SimDuration(0);
-  const SimDuration period = period_of(loop);
-  return std::max(loop.frame_intervals.mean_or(period) - period, SimDuration(0)) / 2;
-}
-
 /// Brings the GPU to the transfer function in force, before the cast that shows it first.
 void update_transfer(Loop& loop) {
   const SimTime now = loop.events.now();
@@ -240,13 +272,13 @@ void start_eye_frame(Loop& loop) {
   eye.frame = loop.result.eye_frames_started++;
   eye.aim = photon_mid(loop, expect_vsync(loop)) + aim_offset(loop);
   aim_at(loop, eye, eye.aim);
-  eye.slot = loop.front ? (loop.front->slot + 1) % frame_slots : 0;
+  eye.slot = loop.front && !swaps_cells(loop) ? (loop.front->slot + 1) % frame_slots : 0;
   eye.begin = now;
   eye.quality = loop.quality;
   if (loop.inputs.gaze != nullptr) eye.gaze = loop.inputs.gaze->known_at(now);
   const std::span<const CellCuts> cuts = loop.chunked ? loop.chunked->cut() : std::span<const CellCuts>();
-  const bool at_once = !loop.chunked || !loop.chunked->params().own_poses;
-  const JobOutcome outcome = at_once ? loop.inputs.work.cast(cast_request(loop, eye, cuts)) : JobOutcome();
+  const JobOutcome outcome =
+      casts_cell_by_cell(loop) ? JobOutcome() : loop.inputs.work.cast(cast_request(loop, eye, cuts));
   eye.work = outcome.work;
   loop.casting = eye;
   if (loop.chunked) {
@@ -265,16 +297,30 @@ ScanPoses predict_scan(Loop& loop, std::int64_t vsync) {
           predict(loop.inputs.predict, readings, time + loop.photons.last_row)};
 }
 
+/// The front buffer. With cells of the next frame in it, it is named after the pose of that one's middle as
+/// soon as it is there.
+EyeFrame eye_frame_shown(const Loop& loop) {
+  EyeFrame shown = *loop.front;
+  if (swaps_cells(loop) && loop.casting && loop.casting->cells_cast > loop.chunked->cells() / 2) {
+    shown.world_from_head = loop.casting->world_from_head;
+    shown.reading_ns = loop.casting->reading_ns;
+    shown.target_ns = loop.casting->target_ns;
+  }
+  return shown;
+}
+
 /// Takes the newest finished eye frame and, for warps that use one, the newest pose.
 void latch_warp(Loop& loop, std::int64_t vsync) {
   if (!loop.front || loop.next) return;  // nothing to show yet, or a late image goes first
   const bool uses_pose = loop.config.warp_pose != WarpPose::none;
-  if (!uses_pose && loop.panel && loop.panel->eye.frame == loop.front->frame) return;  // the panel repeats it
+  const bool seen = loop.panel && loop.panel->eye.frame == loop.front->frame && !swaps_cells(loop);
+  if (!uses_pose && seen) return;  // the panel repeats it
 
   const SimTime now = loop.events.now();
-  DisplayImage image{.eye = *loop.front,
-                     .warp_world_from_head = loop.front->world_from_head,
-                     .reading_ns = loop.front->reading_ns};
+  vsync = std::max(vsync, loop.clock.first_at_or_after(now));  // later by a wall clock alone
+  DisplayImage image{.eye = eye_frame_shown(loop)};
+  image.warp_world_from_head = image.eye.world_from_head;
+  image.reading_ns = image.eye.reading_ns;
   if (uses_pose) {
     const std::span<const brace_tracker_sample> readings = loop.inputs.head.readings(now);
     image.warp_world_from_head = predict(loop.inputs.predict, readings, photon_mid(loop, vsync));
@@ -413,12 +459,12 @@ void describe_image(FrameRecord& record, const DisplayImage& image, WarpPose war
 
 /// Scans out the image that is ready, or the last one again.
 void show_vsync(Loop& loop, std::int64_t vsync) {
-  const bool image_is_new = loop.next && loop.next->done_ns >= 0;
+  const SimTime now = loop.clock.time_of(vsync);
+  const bool image_is_new = loop.next && loop.next->done_ns >= 0 && loop.next->done_ns <= to_ns(now);
   if (image_is_new) {
     loop.panel = loop.next;
     loop.next.reset();
   }
-  const SimTime now = loop.events.now();
   FrameRecord record;
   record.vsync_index = vsync;
   record.vsync_ns = to_ns(now);
@@ -459,10 +505,13 @@ void on_vsync(Loop& loop, std::int64_t vsync) {
   if (vsync + 1 == loop.vsync_count) return;
   loop.next_latch_vsync = vsync + 1;
   // schedule/whole_frame: one job per eye frame. A chunked schedule submits its cells here instead.
-  const bool starts = vsync == 0 || (loop.config.pace == Pace::vsync && !loop.casting);
-  if (starts) start_eye_frame(loop);
   const SimTime next = loop.clock.time_of(vsync + 1);
-  loop.events.push(std::max(loop.events.now(), next - warp_lead(loop)), LoopEvent::latch_warp, vsync + 1);
+  const bool overdue = loop.events.now() >= next;  // by a wall clock: a later one is due, too
+  const bool starts = vsync == 0 || (loop.config.pace == Pace::vsync && !loop.casting && !overdue);
+  if (starts) start_eye_frame(loop);
+  // By a wall clock they may be late already; then they go before what is not.
+  loop.events.push(std::max(loop.clock.time_of(vsync), next - warp_lead(loop)), LoopEvent::latch_warp,
+                   vsync + 1);
   loop.events.push(next, LoopEvent::vsync, vsync + 1);
 }
 
@@ -483,6 +532,14 @@ std::int64_t count_vsyncs(Loop& loop) {
   return asked ? std::min(covered, *asked) : covered;
 }
 
+Event<LoopEvent> next_event(Loop& loop) {
+  const Event<LoopEvent> event = loop.events.pop();
+  if (loop.inputs.wall == nullptr) return event;
+  loop.inputs.wall->wait_until(event.time);
+  loop.events.catch_up(loop.inputs.wall->now());
+  return event;
+}
+
 PhotonOffsets photon_offsets(const Display& display) {
   const SimTime zero = sim_time(0);
   const sim::PhotonTimes times =
@@ -494,6 +551,7 @@ PhotonOffsets photon_offsets(const Display& display) {
 
 FrameLoopResult run_frame_loop(const FrameLoopConfig& config, const FrameLoopInputs& inputs) {
   BRACE_CHECK(inputs.predict.functions != nullptr);
+  BRACE_CHECK(inputs.wall == nullptr || config.queue == QueueKind::single);
   Loop loop(config, inputs);
   loop.photons = photon_offsets(config.display);
   loop.vsync_count = count_vsyncs(loop);
@@ -501,7 +559,7 @@ FrameLoopResult run_frame_loop(const FrameLoopConfig& config, const FrameLoopInp
 
   loop.events.push(loop.clock.time_of(0), LoopEvent::vsync, 0);
   while (loop.result.vsyncs < loop.vsync_count) {
-    const Event<LoopEvent> event = loop.events.pop();
+    const Event<LoopEvent> event = next_event(loop);
     if (loop.gpu_event == event.time && event.kind == LoopEvent::gpu_change) loop.gpu_event.reset();
     collect_finished(loop);  // ends at this very time count, whatever the order of events
     switch (event.kind) {

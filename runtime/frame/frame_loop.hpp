@@ -15,6 +15,7 @@
 #include "runtime/frame/transfer_schedule.hpp"
 #include "runtime/timeline/cost_source.hpp"
 #include "runtime/timeline/simulated_gpu.hpp"
+#include "runtime/timeline/wall_clock.hpp"
 
 namespace brace {
 
@@ -86,6 +87,9 @@ struct FrameLoopInputs {
   FrameWork& work;
   RecordSink& sink;
   GazeMotion* gaze = nullptr;  // none: straight ahead, always
+  /// The run goes by this clock, whose 0 is vsync 0, and a job takes what its call took on it; `cost` is not
+  /// asked. With QueueKind::single alone: one thread does it all. None: simulated time.
+  WallClock* wall = nullptr;
 };
 
 struct FrameLoopResult {
@@ -116,12 +120,13 @@ struct FrameLoopResult {
 ///
 /// Chunked. An eye frame is cast in cells (CellSchedule), all from the pose of its start, or with own_poses
 /// each from the pose that the newest readings predict, when it is submitted, for the photons aimed at (later
-/// ones once those cannot be reached any more); records then name the pose of the cell in the middle. Between
-/// the submission of one warp and of the next as many as fit, at least one. What is left of the frame waits;
-/// it is the front buffer when its last cell is done. With give_up_periods a frame that takes longer is told
-/// to the control stage as a miss, with the cost that its cells so far let expect; if a frame of the quality
-/// that it then asks for would be done sooner than the rest of this one, the rest is not cast, and that one
-/// starts at once.
+/// ones once those cannot be reached any more); records then name the pose of the cell in the middle. With
+/// swap_cells the front buffer is where cells are cast into, each for the first photons that it can reach.
+/// Between the submission of one warp and of the next as many as fit, at least one. What is left of the frame
+/// waits; it is the front buffer when its last cell is done. With give_up_periods a frame that takes longer
+/// is told to the control stage as a miss, with the cost that its cells so far let expect; if a frame of the
+/// quality that it then asks for would be done sooner than the rest of this one, the rest is not cast, and
+/// that one starts at once.
 ///
 /// Transfer function. An eye frame shows the version in force when it is started. If that is another one than
 /// the frame before it showed, an update job goes to the GPU right before its cast; versions that no frame
@@ -131,6 +136,10 @@ struct FrameLoopResult {
 /// newest readings, predicted for the middle of vsync k's photons. Done by the vsync, its image is scanned
 /// out; otherwise the panel repeats its image and the late one is shown at the first vsync after its end; no
 /// other warp starts before. warp/none has no job while there is no new eye frame.
+///
+/// Wall clock. The same, at the pace of a clock that goes on by itself: events are waited for, and a job that
+/// takes long makes what follows late. Eye frames in cells are asked for cell by cell, whatever their poses.
+/// A warp that comes to its turn after its vsync is one for the next.
 ///
 /// missed: nothing new was latched at this vsync. For warps with a pose: no warp was done in time. For
 /// warp/none: the same eye frame again, too. Vsyncs before the first image (displayed_frame -1) are start-up,

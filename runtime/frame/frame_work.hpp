@@ -94,7 +94,8 @@ struct ShowOutcome {
 
 /// The pixels behind the frame loop. Two implementations: the Vulkan renderer, and counted work without
 /// pixels for pacing-only replays. Calls come in simulated-time order on one thread. A warp may come before
-/// the cast that was asked for before it has ended in simulated time; it then names the other slot.
+/// the cast that was asked for before it has ended in simulated time; it then names the other slot, unless
+/// cells are shown one by one.
 class FrameWork {
  public:
   virtual ~FrameWork() = default;

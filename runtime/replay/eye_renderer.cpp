@@ -7,6 +7,7 @@
 #include "runtime/raycast/volume_levels.hpp"
 #include "runtime/replay/cast_integrator.hpp"
 #include "runtime/replay/scene_shading.hpp"
+#include "runtime/replay/series_facts.hpp"
 #include "runtime/warp_layers/novel_view.hpp"
 
 namespace brace {
@@ -94,6 +95,23 @@ void require_layers(const Session& session) {
     refuse(stereo + ", whose second eye has no rays to make layers of", "stereo/two_pass");
 }
 
+/// Throws input_error where cells are to be shown one by one and cannot.
+void require_swaps_of_cells(const Session& session, const PipelineStage& schedule) {
+  if (schedule.value("swap") != 1.0) return;
+  const auto refuse = [](const char* what, const char* accepted) {
+    throw input_error(
+        "schedule/chunked with swap = 'cell' does not work with {}; accepted: {}, or swap = 'frame'", what,
+        accepted);
+  };
+  if (!cells_have_poses(schedule))
+    refuse("poses = 'frame', which are one for all cells of a picture", "poses = 'cell'");
+  if (schedule.value("cut") != 0.0)
+    refuse("cut = 'cost', whose cells lie elsewhere in every frame", "cut = 'even'");
+  if (session.clock.queue != "single")
+    refuse("clock.queue other than 'single', where a warp overtakes the cell that is being cast",
+           "clock.queue = 'single'");
+}
+
 }  // namespace
 
 std::optional<MabPlan> plan_mab(const Session& session, const Headset& headset) {
@@ -132,10 +150,14 @@ void require_cells(const Session& session) {
 }
 
 void require_cell_poses(const Session& session) {
-  const auto refuse = [](const std::string& what, const char* accepted) {
-    throw input_error(
-        "schedule/chunked with poses = 'cell' does not work with {}; accepted: {}, or poses = 'frame'", what,
-        accepted);
+  const PipelineStage& schedule = session.pipeline.at("schedule");
+  require_swaps_of_cells(session, schedule);
+  const bool own_poses = cells_have_poses(schedule);
+  if (!own_poses && !session.clock.wall) return;
+  const auto refuse = [&](const std::string& what, const char* accepted) {
+    throw input_error("schedule/chunked with {} does not work with {}; accepted: {}, or {}",
+                      own_poses ? "poses = 'cell'" : "clock.mode = 'wall'", what, accepted,
+                      own_poses ? "poses = 'frame'" : "schedule/whole_frame");
   };
   const auto id = [&](const char* family) { return session.pipeline.at(family).stage.id(); };
   if (id("rays") != "rays/full_rate")
@@ -143,9 +165,9 @@ void require_cell_poses(const Session& session) {
   if (id("stereo") != "stereo/two_pass")
     refuse(id("stereo") + ", whose eyes share their rays", "stereo/two_pass");
   if (id("skip") == "skip/occlusion")
-    refuse("skip/occlusion, whose first hits are of one pose", "another skip stage");
+    refuse("skip/occlusion, whose first hits are of whole eye frames", "another skip stage");
   const PipelineStage& warp = session.pipeline.at("warp");
-  if (warp.stage.native != nullptr || takes_layers(warp))
+  if (own_poses && (warp.stage.native != nullptr || takes_layers(warp)))
     refuse(warp.stage.id() + ", which takes an eye frame of one pose", "warp/none, warp/quad, warp/grid");
 }
 

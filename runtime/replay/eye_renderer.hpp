@@ -23,7 +23,8 @@ std::optional<MabPlan> plan_mab(const Session& session, const Headset& headset);
 /// Throws input_error for stages that schedule/chunked cannot cast in cells.
 void require_cells(const Session& session);
 
-/// Throws input_error for stages whose cells cannot have poses of their own.
+/// Throws input_error for stages whose cells cannot be cast or shown one by one, where the session's schedule
+/// or its clock asks for that.
 void require_cell_poses(const Session& session);
 
 /// Throws input_error for stages whose rays cannot begin where skip/occlusion says.

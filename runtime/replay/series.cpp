@@ -46,6 +46,7 @@ std::optional<ChunkedParams> chunked_params(const PipelineStage& schedule) {
   params.order = static_cast<ChunkedParams::Order>(static_cast<int>(schedule.value("order")));
   params.cut = static_cast<ChunkedParams::Cut>(static_cast<int>(schedule.value("cut")));
   params.own_poses = cells_have_poses(schedule);
+  params.swap_cells = schedule.value("swap") == 1.0;
   params.bias = schedule.value("bias");
   if (schedule.value("reserve_ms") > 0.0) params.reserve = from_s(schedule.value("reserve_ms") * 1e-3);
   params.cell_overhead = from_s(schedule.value("cell_overhead_us") * 1e-6);
@@ -188,6 +189,8 @@ Series replay_series(const LabelledSession& labelled, const ReplayOptions& optio
   const NativeStage predict = live_stage(session.pipeline.at("predict"));
   const NativeStage control = live_stage(session.pipeline.at("control"));
   ProgressSink sink(series.records, vsyncs, options);
+  std::optional<HostClock> wall;
+  if (session.clock.wall) wall.emplace();  // the first vsync is now
   const FrameLoopInputs inputs{
       head,
       {&predict.predict_functions(), predict.self(), predict.place()},
@@ -195,7 +198,8 @@ Series replay_series(const LabelledSession& labelled, const ReplayOptions& optio
       *cost,
       *work.frame_work,
       sink,
-      gaze ? &*gaze : nullptr};
+      gaze ? &*gaze : nullptr,
+      wall ? &*wall : nullptr};
   run_until_failure(config, inputs, series);
   sink.finish();
   if (config.chunked && config.chunked->give_up_periods > 0) {

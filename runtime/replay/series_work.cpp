@@ -167,8 +167,10 @@ bool needs_device(const Session& session) {
 SeriesWork make_work(const SeriesWorkInputs& in) {
   const Session& session = in.session;
   SeriesWork work;
-  if (session.pipeline.at("schedule").stage.id() == "schedule/chunked") require_cells(session);
-  if (cells_have_poses(session.pipeline.at("schedule"))) require_cell_poses(session);
+  if (session.pipeline.at("schedule").stage.id() == "schedule/chunked") {
+    require_cells(session);
+    require_cell_poses(session);
+  }
   if (session.pipeline.at("skip").stage.id() == "skip/occlusion") require_occlusion(session);
   if (wants_levels(session.pipeline.at("cast"))) require_levels(session);
   announce_rays(in, work);

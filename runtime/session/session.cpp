@@ -181,7 +181,7 @@ void check_cost(const SessionTable& table, std::string& cost, const std::filesys
 
 Session::Clock read_clock(const SessionTable& table, const std::filesystem::path& folder) {
   Session::Clock clock;
-  table.choice("clock.mode");
+  clock.wall = table.choice("clock.mode") == "wall";
   clock.queue = table.choice("clock.queue");
   clock.cost = table.text("clock.cost");
   check_cost(table, clock.cost, folder);
@@ -197,6 +197,19 @@ Session::Clock read_clock(const SessionTable& table, const std::filesystem::path
     table.fail("clock.cost", "is 'scripted' but there is no [[clock.script]] segment");
   }
   return clock;
+}
+
+/// The host's clock has no time for what measures or draws, and one thread that casts and warps.
+void check_wall_clock(const SessionTable& table, const Session& session) {
+  if (!session.clock.wall) return;
+  const auto want = [&](const char* key, const std::string& is, const char* accepted, const char* why) {
+    if (is != accepted)
+      table.fail(key, fmt::format("is '{}', but clock.mode is 'wall', {}; accepted: {}", is, why, accepted));
+  };
+  want("clock.cost", session.clock.cost, "measured", "where jobs take what they take");
+  want("clock.queue", session.clock.queue, "single", "where one thread casts and warps");
+  want("output.error", table.text("output.error"), "none", "whose vsyncs would wait for it");
+  want("output.images", table.text("output.images"), "none", "whose vsyncs would wait for them");
 }
 
 /// The parameters of a stage from [stage."name"] or [stage."family/name"], defaults where there are none.
@@ -443,6 +456,7 @@ Session parse_session(const std::string& text, const std::string& file_name,
   if (table.node("run.deadline_ms") != nullptr)
     session.run.deadline_ms = table.number_in("run.deadline_ms", 0.001, 1e6);
   session.compare = read_compare(table);
+  check_wall_clock(table, session);
 
   write_absolute_paths(table, session);
   write_stage_values(table, session);

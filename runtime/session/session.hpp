@@ -84,6 +84,7 @@ struct Session {
   } scene;
 
   struct Clock {
+    bool wall = false;            // paced by the host's clock
     std::string queue;            // single | priority | dual
     std::string cost;             // model:NAME | measured | recorded:DIR | scripted | stage:NAME
     std::string cost_resolution;  // full | as_rendered

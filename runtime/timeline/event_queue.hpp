@@ -21,7 +21,7 @@ struct Event {
 };
 
 /// A discrete-event timeline: events come out ordered by (time, insertion order), and only taking one moves
-/// simulated time. The user switches over the kind. Memory is reserved once; it grows only if more events
+/// simulated time, or being told what another clock says. A late event leaves now() where it is. The user switches over the kind. Memory is reserved once; it grows only if more events
 /// wait at the same time than were reserved for.
 template <typename Kind>
 class EventQueue {
@@ -33,9 +33,9 @@ class EventQueue {
   std::size_t size() const { return heap_.size(); }
   std::uint64_t processed() const { return processed_; }
 
-  /// An event never lies in the past: that would be a programming error.
+  /// An event never lies before the one taken last: that would be a programming error.
   void push(SimTime time, Kind kind, std::int64_t data = 0) {
-    BRACE_CHECK(time >= now_);
+    BRACE_CHECK(time >= last_);
     heap_.push_back({time, next_sequence_++, kind, data});
     std::push_heap(heap_.begin(), heap_.end(), later);
   }
@@ -46,10 +46,14 @@ class EventQueue {
     std::pop_heap(heap_.begin(), heap_.end(), later);
     const Event<Kind> event = heap_.back();
     heap_.pop_back();
-    now_ = event.time;
+    last_ = event.time;
+    catch_up(event.time);
     ++processed_;
     return event;
   }
+
+  /// Moves now() on without an event: the clock beside it has gone on meanwhile.
+  void catch_up(SimTime time) { now_ = std::max(now_, time); }
 
  private:
   static bool later(const Event<Kind>& a, const Event<Kind>& b) {
@@ -57,7 +61,7 @@ class EventQueue {
   }
 
   std::vector<Event<Kind>> heap_;
-  SimTime now_ = SimTime::min();
+  SimTime now_ = SimTime::min(), last_ = SimTime::min();
   std::uint64_t next_sequence_ = 0;
   std::uint64_t processed_ = 0;
 };

@@ -88,6 +88,36 @@ TEST_F(ChunkedRun, UnderATranslationCellsComeNearerFromPosesOfTheirOwn) {
   EXPECT_LT(of_cells, 0.85 * of_frame);
 }
 
+TEST_F(ChunkedRun, ByTheHostsClockVsyncsAreWaitedForAndJobsTakeWhatTheyTake) {
+  for (const char* schedule : {"whole_frame", "chunked"}) {
+    run("wall", {"clock.mode=wall", "clock.cost=measured", "output.images=none", "run.frames=20",
+                 std::string("pipeline.schedule=") + schedule});
+    const auto summary = nlohmann::json::parse(place_.read("wall/summary.json"));
+    EXPECT_EQ(summary["clock"]["mode"], "wall");
+    EXPECT_EQ(summary["deterministic"], false);
+    EXPECT_EQ(summary["vsyncs"], 20);
+    EXPECT_GE(summary["host"]["wall_s"].get<double>(), 19.0 / 90.0);
+    for (const double cost : test::csv_column(place_.read("wall/costs.csv"), "cost_ns"))
+      EXPECT_GT(cost, 0.0);
+  }
+}
+
+TEST_F(ChunkedRun, WhatTheHostsClockCannotDoIsRefused) {
+  const std::vector<std::string> wall = {"clock.mode=wall", "clock.cost=measured", "output.images=none"};
+  for (const auto& [setting, words] :
+       {std::pair<std::string, std::string>{"clock.cost=model:gtx-1080", "clock.cost"},
+        {"clock.queue=dual", "clock.queue"},
+        {"output.images=ends", "output.images"},
+        {"output.error=ends", "output.error"},
+        {"pipeline.rays=mab", "clock.mode = 'wall' does not work with rays/mab"}}) {
+    std::vector<std::string> settings = wall;
+    settings.insert(settings.end(), {"pipeline.schedule=chunked", setting});
+    const Outcome outcome = try_run("a", settings);
+    EXPECT_EQ(outcome.exit_code, 2) << setting;
+    EXPECT_THAT(outcome.err, ::testing::AllOf(HasSubstr(words), HasSubstr("accepted: ")));
+  }
+}
+
 TEST_F(ChunkedRun, CountedCellsCostWhatRenderedOnesDo) {
   const std::vector<std::string> chunked = {"pipeline.schedule=chunked", "clock.queue=single"};
   run("rendered", chunked);
@@ -101,6 +131,19 @@ TEST_F(ChunkedRun, CountedCellsCostWhatRenderedOnesDo) {
     return ns;
   };
   EXPECT_NEAR(total("counted"), total("rendered"), 0.02 * total("rendered"));
+}
+
+TEST_F(ChunkedRun, CellsThatCannotBeShownOneByOneAreRefusedByName) {
+  for (const auto& [setting, words] :
+       {std::pair<std::string, std::string>{"stage.chunked.poses=frame", "poses = 'frame'"},
+        {"stage.chunked.cut=cost", "cut = 'cost'"},
+        {"clock.queue=priority", "clock.queue"}}) {
+    const Outcome outcome = try_run(
+        "a", {"pipeline.schedule=chunked", "stage.chunked.poses=cell", "stage.chunked.swap=cell", setting});
+    EXPECT_EQ(outcome.exit_code, 2) << setting;
+    EXPECT_THAT(outcome.err, ::testing::AllOf(HasSubstr("swap = 'cell' does not work with " + words),
+                                              HasSubstr("accepted: ")));
+  }
 }
 
 TEST_F(ChunkedRun, WhatCannotBeCastInCellsIsRefusedByName) {

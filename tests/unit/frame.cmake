@@ -15,4 +15,5 @@ brace_test(frame_test LABEL unit
     ${CMAKE_CURRENT_LIST_DIR}/frame/load_control_test.cpp
     ${CMAKE_CURRENT_LIST_DIR}/frame/pacing_test.cpp
     ${CMAKE_CURRENT_LIST_DIR}/frame/stages_test.cpp
-    ${CMAKE_CURRENT_LIST_DIR}/frame/transfer_update_test.cpp)
+    ${CMAKE_CURRENT_LIST_DIR}/frame/transfer_update_test.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/frame/wall_clock_test.cpp)

@@ -1,14 +1,13 @@
 // brace live: the simulated headset in a window.
 #include <algorithm>
-#include <chrono>
 #include <fstream>
-#include <thread>
 
 #include <fmt/core.h>
 
 #include "base/error.hpp"
 #include "runtime/mab/mab_plan.hpp"
 #include "runtime/replay/series_facts.hpp"
+#include "runtime/timeline/wall_clock.hpp"
 #include "runtime/volume/write_transfer_function.hpp"
 #include "tools/command.hpp"
 #include "tools/interrupt.hpp"
@@ -26,22 +25,6 @@
 namespace brace {
 
 namespace {
-
-/// Host time since the run's begin.
-class LiveClock {
- public:
-  SimTime now() const { return SimTime(std::chrono::steady_clock::now() - begin_); }
-  /// Sleeps, and for the last moment looks at the clock: a sleep alone ends a tenth of a millisecond late.
-  void wait_until(SimTime time) const {
-    const auto until = begin_ + time.time_since_epoch();
-    std::this_thread::sleep_until(until - std::chrono::microseconds(200));
-    while (std::chrono::steady_clock::now() < until) {
-    }
-  }
-
- private:
-  std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
-};
 
 double ms_between(SimTime from, SimTime to) {
   return to_s(to - from) * 1e3;
@@ -337,7 +320,7 @@ class LiveRun {
   gpu::SwapChain chain_;
   Recorder recorder_;
   VsyncPace pace_;
-  LiveClock clock_;
+  HostClock clock_;
   FrameHistory history_;
   OverlayFacts facts_;
   HeadReadings readings_;

@@ -186,6 +186,26 @@ TEST(Chunked, CellsWithPosesOfTheirOwnAreEachAskedForOnceFromTheNewestReadings) 
               frames[request.frame][16].frame.world_from_head.position);
 }
 
+TEST(Chunked, CellsThatAreShownOneByOneGoWhereTheWarpLooks) {
+  Rig rig({.motion = sim::Motion::natural, .seconds = 2});
+  rig.config.chunked = cells_of(4, ChunkedParams::Guard::clock);
+  rig.config.chunked->own_poses = rig.config.chunked->swap_cells = true;
+  rig.config.pace = Pace::free;
+  rig.config.queue = QueueKind::single;
+  OwnPoseWork work;
+  rig.work = &work;
+  SampleCost cost;
+  RunRecords records;
+  rig.run(records, cost);
+  for (const CellRequest& request : work.asked)
+    ASSERT_EQ(request.frame.slot, 0);
+  // A frame takes 36 ms; what is shown is named after the middle of the newest cells, not of the last frame.
+  std::int64_t ahead = 0;
+  for (const FrameRecord& record : records.frames())
+    ahead += record.displayed_frame >= 0 && record.render_pose_ns > record.render_done_ns;
+  EXPECT_GT(ahead, 30);
+}
+
 TEST(Chunked, AtLeastOneCellIsCastPerPeriodWhateverItTakes) {
   for (const auto guard : {ChunkedParams::Guard::clock, ChunkedParams::Guard::prediction}) {
     // A cell takes 15 ms, more than a period.

@@ -67,7 +67,8 @@ struct Rig {
                                    .cost = cost,
                                    .work = work != nullptr ? *work : counted,
                                    .sink = sink,
-                                   .gaze = gaze});
+                                   .gaze = gaze,
+                                   .wall = wall});
   }
 
   /// With scripted costs.
@@ -89,6 +90,7 @@ struct Rig {
   ControlStage control;
   FrameWork* work = nullptr;  // counted work if null
   GazeMotion* gaze = nullptr;
+  WallClock* wall = nullptr;
   FrameLoopConfig config;
   FrameLoopResult result;  // of the last scripted run
 };

@@ -49,7 +49,7 @@ TEST(EventQueueDeathTest, ThePastCannotBeScheduled) {
   EventQueue<Kind> queue;
   queue.push(sim_time(5), Kind::a);
   queue.pop();
-  EXPECT_DEATH(queue.push(sim_time(4), Kind::a), "time >= now_");
+  EXPECT_DEATH(queue.push(sim_time(4), Kind::a), "time >= last_");
 }
 
 }  // namespace
