@@ -39,8 +39,11 @@ struct Variant {
 };
 
 std::vector<Variant> variants() {
-  std::vector<Variant> all = {
-      {"none", "none"}, {"quad", "quad"}, {"grid", "grid"}, {"volumetric", "volumetric"}};
+  std::vector<Variant> all = {{"none", "none"},
+                              {"quad", "quad"},
+                              {"grid", "grid"},
+                              {"grid, search by four", "grid", {}, {{"search", "four"}}},
+                              {"volumetric", "volumetric"}};
   for (const double steps : {4.0, 16.0, 32.0, 128.0})
     all.push_back({fmt::format("volumetric, {:g} steps", steps),
                    "volumetric",

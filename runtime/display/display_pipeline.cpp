@@ -94,10 +94,8 @@ void PanelTarget::set_poses(const gpu::Device& device, const Pose& world_from_ol
 void PanelTarget::set_poses(const gpu::Device& device, const Pose& world_from_old_eye,
                             const ScanEye& new_eye) {
   brace::set_poses(params_, world_from_old_eye, new_eye);
-  if (scene_range_) {
-    params_.old_from_new[0][3] = static_cast<float>(scene_range_->nearest_m);
-    params_.old_from_new[1][3] = static_cast<float>(scene_range_->farthest_m);
-  }
+  params_.old_from_new[0][3] = static_cast<float>(scene_range_.nearest_m);
+  params_.old_from_new[1][3] = static_cast<float>(scene_range_.farthest_m);
   gpu::upload_values<BraceDisplayParams>(device, params_buffer_, std::span(&params_, 1));
 }
 

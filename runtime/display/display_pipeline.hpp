@@ -2,7 +2,6 @@
 
 #include <cstdint>
 #include <filesystem>
-#include <optional>
 #include <span>
 #include <vector>
 
@@ -56,7 +55,7 @@ class PanelTarget {
   /// How far from the old eye all there is to see lies, metres: what warps that search in depth need not look
   /// beyond. Holds until it is set anew.
   struct SceneRange {
-    double nearest_m = 0.0, farthest_m = 0.0;
+    double nearest_m = 0.0, farthest_m = 1e30;
   };
   void set_scene_range(const SceneRange& range) { scene_range_ = range; }
 
@@ -76,7 +75,7 @@ class PanelTarget {
   std::uint64_t pixels_written_ = 0;
   std::uint32_t tile_count_ = 0;
   BraceDisplayParams params_{};
-  std::optional<SceneRange> scene_range_;
+  SceneRange scene_range_;
   gpu::Buffer image_, params_buffer_, tiles_;
   gpu::TexelBuffer tile_texels_;
 };

@@ -130,15 +130,28 @@ void choose_cell(vec2 pixel) {
 }
 #endif
 
-uint panel_pixel(vec2 pixel) {
-  uint packed = 0xff000000u;
+void set_scan(vec2 pixel) {
 #if defined(BRACE_WARP_SCAN_OUT_LINES)
   brace_scan = dot(pixel, brace_display.scan.xy) + brace_display.scan.z;
 #endif
+}
+
+// What is found once, for a pixel or for four.
+void look_ahead(vec2 pixel) {
+  set_scan(pixel);
 #if defined(BRACE_CELL_POSES)
   choose_cell(pixel);
 #elif defined(BRACE_WARP_PER_PIXEL)
   warp_pixel(pixel);
+#endif
+}
+
+uint panel_pixel(vec2 pixel) {
+  uint packed = 0xff000000u;
+#if defined(BRACE_WARP_PER_FOUR)
+  set_scan(pixel);
+#else
+  look_ahead(pixel);
 #endif
 #ifdef BRACE_ONE_FETCH
   const vec2 point = pixel * brace_display.pitch.xy + brace_display.centre[1].xy;
@@ -170,6 +183,9 @@ void main() {
   const uvec2 corner = uvec2(tile & 0xffffu, tile >> 16) * uvec2(32u, 8u);
   const uvec2 pixel = corner + gl_LocalInvocationID.xy * uvec2(4u, 1u);
   uvec4 four;
+#if defined(BRACE_WARP_PER_FOUR)
+  look_ahead(vec2(pixel) + vec2(1.5, 0.0));
+#endif
   [[unroll]] for (uint i = 0u; i < 4u; ++i) {
 #ifdef BRACE_COUNTERS
     const uint uncovered_before = uncovered, filled_before = filled;

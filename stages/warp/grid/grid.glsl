@@ -4,6 +4,9 @@
 // over the distance in units of the direction, from where the scene begins to where it ends, and from there to infinity
 // (w = 0) in one.
 #define BRACE_WARP_PER_PIXEL
+#if defined(BRACE_WARP_SEARCH_FOUR)
+#define BRACE_WARP_PER_FOUR
+#endif
 
 layout(set = 0, binding = BRACE_SLOT_SOURCE_DEPTH) uniform samplerBuffer brace_source_depth_m;
 
@@ -61,17 +64,14 @@ vec2 grid_search(vec3 direction, vec3 origin_m, vec2 w, float count) {
 }
 
 // w where the ray comes to the scene and where it has left it, by the triangle of the two eyes and the point: not nearer
-// than near_m, and in front of the old eye.
+// than near_m, and in front of the old eye. No branch here hangs on uniforms alone: lavapipe puts their values into the
+// kernel, and pays for that at every dispatch.
 vec2 grid_range(vec3 direction, vec3 origin_m) {
-  float w_max = 1.0 / warp_near_m, w_min = 0.0;
-  const float farthest_m = brace_display.old_from_new[1].w;
-  if (farthest_m > 0.0) {
-    const float apart_m = length(origin_m), per_m = length(direction);
-    w_max = min(w_max, per_m / max(brace_display.old_from_new[0].w - apart_m, 1e-6));
-    w_min = min(per_m / (farthest_m + apart_m), w_max);
-  }
-  if (-(direction.z + w_max * origin_m.z) <= GRID_BESIDE) w_max = (-direction.z - GRID_BESIDE) / origin_m.z;
-  return vec2(w_max, min(w_min, w_max));
+  const float apart_m = length(origin_m), per_m = length(direction);
+  const float nearest_m = brace_display.old_from_new[0].w - apart_m, farthest_m = brace_display.old_from_new[1].w + apart_m;
+  const float w_near = min(1.0 / warp_near_m, per_m / max(nearest_m, 1e-6));
+  const float w_max = -(direction.z + w_near * origin_m.z) > GRID_BESIDE ? w_near : (-direction.z - GRID_BESIDE) / origin_m.z;
+  return vec2(w_max, min(per_m / farthest_m, w_max));
 }
 
 // Tangents of a point of the ray in the old picture; within grid_range.

@@ -84,10 +84,11 @@ TEST_F(GridWarp, ShowsAPlaneAsTheNewPoseSeesIt) {
       {turned(0.1, 0.05, {0.1, 0, 0}), turned(0.12, 0.03, {0.11, 0.01, -0.03})}};
   for (const Plane& plane : planes)
     for (const auto& [old_eye, new_eye] : poses)
-      for (const double edges : {0.0, 1.0}) {
+      for (const auto& [edges, search] : {std::pair(0.0, 0.0), {1.0, 0.0}, {0.0, 1.0}}) {
         const Seen seen = see(plane, old_eye);
         DisplayRun run = grid(old_eye, new_eye);
         run.parameters["edges"] = edges;
+        run.parameters["search"] = search;  // a plane's parallax hardly changes over four pixels
         const auto shown = run.show(eye, seen.picture, seen.depths_m);
         double worst = 0.0, quad_worst = 0.0;
         for (int y = 20; y < 140; ++y)
@@ -113,8 +114,11 @@ TEST_F(GridWarp, WithoutMotionIsThePictureWhateverTheDepths) {
   for (std::size_t i = 0; i < picture.pixels.size(); ++i)
     depths_m.push_back(random() % 3 == 0 ? none : 0.1f + static_cast<float>(random() % 1000) * 0.01f);
   const Pose pose = turned(1.0, -0.4, {3, 1, 2});
-  expect_like_reference(grid(pose, pose).show(eye, picture, depths_m).image, eye, picture, no_warp(),
-                        "equal poses");
+  for (const double search : {0.0, 1.0}) {
+    DisplayRun run = grid(pose, pose);
+    run.parameters["search"] = search;
+    expect_like_reference(run.show(eye, picture, depths_m).image, eye, picture, no_warp(), "equal poses");
+  }
 }
 
 TEST_F(GridWarp, UnderRotationAloneIsTheQuad) {
@@ -122,8 +126,12 @@ TEST_F(GridWarp, UnderRotationAloneIsTheQuad) {
   const Picture picture = noise_picture(180, 170, eye.fov);
   const std::vector<float> depths_m(picture.pixels.size(), 0.7f);
   const Pose old_eye = turned(0.2, 0.1), new_eye = turned(0.25, 0.06);
-  expect_like_reference(grid(old_eye, new_eye).show(eye, picture, depths_m).image, eye, picture,
-                        quad_warp(old_eye, new_eye, 1e6), "rotation");
+  for (const double search : {0.0, 1.0}) {
+    DisplayRun run = grid(old_eye, new_eye);
+    run.parameters["search"] = search;
+    expect_like_reference(run.show(eye, picture, depths_m).image, eye, picture,
+                          quad_warp(old_eye, new_eye, 1e6), "rotation");
+  }
 }
 
 /// A near square before a far wall; the eye moves right, and wall comes out at the square's left edge... on
@@ -187,9 +195,10 @@ TEST_F(GridWarp, AnEmptyPictureStaysItAndExtremesNeverReadOutside) {
     poses.push_back({turned(angle(random), angle(random), {angle(random), 0, angle(random)}),
                      turned(angle(random), angle(random))});
   for (const auto& [old_eye, new_eye] : poses)
-    for (const double edges : {0.0, 1.0}) {
+    for (const auto& [edges, search] : {std::pair(0.0, 0.0), {1.0, 1.0}}) {
       DisplayRun run = grid(old_eye, new_eye);
       run.parameters["edges"] = edges;
+      run.parameters["search"] = search;
       for (const Rgba8& pixel : run.show(eye, white, depths_m).image.pixels)
         for (const std::uint8_t value : {pixel.r, pixel.g, pixel.b})
           ASSERT_TRUE(value == 0 || value == 255);

@@ -32,7 +32,7 @@ struct BraceDisplayParams {
   BRACE_VEC4(fov);        /* tangents that the eye sees: left, bottom, right, top */
   BRACE_VEC4S(old_from_new, 4);  /* from the new eye frame to the source picture's: the rotation's columns,
                                     then the translation in metres. w of the first two: how far
-                                   from the old eye the scene begins and ends; 0, 0: not known */
+                                   from the old eye the scene begins and ends; 0, 1e30: not known */
   BRACE_UVEC4(grid);             /* x: source pixels per row; y: groups of four panel pixels per row;
                       zw: panel pixels across and down */
   BRACE_VEC4S(old_from_last, 4); /* old_from_new at the photons of the scan-out's last line; old_from_new is

@@ -6,7 +6,8 @@
 // once per pixel defines BRACE_WARP_PER_PIXEL and gives
 //   void brace_warp_pixel(vec2 tan_xy)
 // which is called before, with green's direction; what it finds goes into globals of its own. Where it shows
-// something else than the picture has there, it sets brace_warp_filled, and the pixel is counted.
+// something else than the picture has there, it sets brace_warp_filled, and the pixel is counted. With
+// BRACE_WARP_PER_FOUR beside it, it is called once for four pixels side by side.
 #ifndef BRACE_WARP_GLSL
 #define BRACE_WARP_GLSL
 
