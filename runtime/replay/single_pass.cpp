@@ -70,12 +70,17 @@ bool is_by_novel_view(const Session& session) {
 StereoPlan plan_single_pass(const gpu::Device& device, const Session& session, const Headset& headset,
                             const VolumeInfo& volume, const VolumePlacement& placement) {
   require_stages(session);
-  const EyeViews eyes = views_of(headset, Pose{});
+  EyeViews eyes = views_of(headset, Pose{});
+  const std::optional<Rectification> planes = rectify(eyes);
+  if (planes) eyes = planes->apply(eyes);
   const gpu::DeviceLimits& limits = device.limits();
-  return plan_stereo(
+  StereoPlan plan = plan_stereo(
       stereo_settings(session.pipeline.at("stereo")), stereo_geometry(eyes.left, eyes.right),
-      headset.eye.width_px, headset.eye.height_px, bounding_radius_m(volume, placement),
+      eyes.left.width_px, eyes.left.height_px, bounding_radius_m(volume, placement),
       {std::min(limits.storage_buffer_bytes_max, limits.allocation_bytes_max), limits.memory_bytes});
+  plan.rectification = planes;
+  if (planes) plan.summary += "; " + planes->summary();
+  return plan;
 }
 
 SimDuration SinglePass::submit() {
@@ -136,6 +141,17 @@ JobOutcome SinglePass::finish(const std::function<WorkCounts()>& work, const Cel
   return outcome;
 }
 
+ByLayers::Rectified::Rectified(const Inputs& in, const Rectification& onto)
+    : planes(onto),
+      pictures{EyeTarget(in.device, planes.width_px, planes.height_px),
+               EyeTarget(in.device, planes.width_px, planes.height_px)},
+      resamplers([&] {
+        const EyeViews to = views_of(in.headset, Pose{}), from = planes.apply(to);
+        const PlaneResampler::Folders folders{in.data_folder / "glsl", in.data_folder / "kernels" / "stereo"};
+        return std::array{PlaneResampler(in.device, from.left, to.left, folders),
+                          PlaneResampler(in.device, from.right, to.right, folders)};
+      }()) {}
+
 ByLayers::ByLayers(const Inputs& in, const StereoPlan& plan, const CastKernels& kernels,
                    const CastKernels& plain)
     : SinglePass(in.device, "single-pass stereo"),
@@ -143,21 +159,24 @@ ByLayers::ByLayers(const Inputs& in, const StereoPlan& plan, const CastKernels& 
       scene_(in.scene),
       placement_(in.placement),
       pipeline_(in.device, kernels),
-      layers_(in.device, in.session.pipeline.at("stereo"), plan, in.headset.eye.width_px,
-              in.headset.eye.height_px, {in.data_folder / "glsl", in.data_folder / "kernels" / "stereo"}) {
+      layers_(in.device, in.session.pipeline.at("stereo"), plan, plan.width_px, plan.height_px,
+              {in.data_folder / "glsl", in.data_folder / "kernels" / "stereo"}) {
+  if (plan.rectification) rectified_.emplace(in, *plan.rectification);
   if (plan.settings.fresh_rays && !plan.layers_left_out)
-    holes_.emplace(in.device, plain, in.headset.eye.width_px, in.headset.eye.height_px, hole_folders(in));
+    holes_.emplace(in.device, plain, plan.width_px, plan.height_px, hole_folders(in));
 }
 
 std::optional<JobOutcome> ByLayers::render(const Pose& world_from_head, const EyePair& into,
                                            double /*quality*/, const Cells* cells) {
-  const EyeViews eyes = views_of(headset_, world_from_head);
+  EyeViews eyes = views_of(headset_, world_from_head);
+  if (rectified_) eyes = rectified_->planes.apply(eyes);
   ++frames_;
   if (!layers_.begin_frame(eyes, scene_.volume.info(), placement_)) {
     ++cast_twice_;
     return {};
   }
-  const EyeTarget &left = into[0], &right = into[1];
+  const EyePair& pictures = rectified_ ? rectified_->pictures : into;
+  const EyeTarget &left = pictures[0], &right = pictures[1];
   CastPipeline::set_eye(device_, left, eyes.left, placement_, scene_.volume, scene_.transfer, layers_.grid());
   CastPipeline::set_eye(device_, right, eyes.right, placement_, scene_.volume, scene_.transfer,
                         holes_ ? std::optional(holes_->grid()) : std::nullopt);
@@ -172,15 +191,23 @@ std::optional<JobOutcome> ByLayers::render(const Pose& world_from_head, const Ey
   step("closing", [&] {
     pipeline_.record_closing(commands_, resources, {0, 0, left.width_px, left.height_px});
   });
-  step("stereo", [&] {
-    layers_.record_second_eye(commands_, left, right, holes_ ? &holes_->holes() : nullptr);
-    if (!holes_) return;
-    commands_.barrier();
-    holes_->record(
-        commands_,
-        {scene_.volume, scene_.transfer, layers_.rays(), right, scene_.skip_bindings(), {}, holes_->grid()});
-  });
+  step("stereo", [&] { record_second_eye(left, right); });
+  if (rectified_) {
+    step("stereo", [&] {
+      for (std::size_t eye = 0; eye < 2; ++eye)
+        rectified_->resamplers[eye].record(commands_, pictures[eye], into[eye]);
+    });
+  }
   return finish([&] { return work_of_frame(cells); }, cells);
+}
+
+void ByLayers::record_second_eye(const EyeTarget& left, const EyeTarget& right) {
+  layers_.record_second_eye(commands_, left, right, holes_ ? &holes_->holes() : nullptr);
+  if (!holes_) return;
+  commands_.barrier();
+  holes_->record(
+      commands_,
+      {scene_.volume, scene_.transfer, layers_.rays(), right, scene_.skip_bindings(), {}, holes_->grid()});
 }
 
 WorkCounts ByLayers::work_of_frame(const Cells* cells) {
@@ -192,6 +219,10 @@ WorkCounts ByLayers::work_of_frame(const Cells* cells) {
   const auto texel_bytes = static_cast<std::uint64_t>(layers_.plan().settings.bytes_per_texel);
   const auto rays = static_cast<std::uint64_t>(layers_.ray_area().width * layers_.ray_area().height);
   work.texels = (std::uint64_t{counts.written} + counts.read) * texel_bytes / 16 + rays;
+  if (rectified_) {  // each pixel of the displays read and written once
+    const PictureSize& eye = headset_.eye;
+    work.texels += 2u * static_cast<std::uint64_t>(eye.width_px) * static_cast<std::uint64_t>(eye.height_px);
+  }
   if (holes_) {
     const WorkCounts fresh = holes_->counted();
     work += fresh;

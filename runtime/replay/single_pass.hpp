@@ -12,6 +12,7 @@
 #include "runtime/mab/mab_braces.hpp"
 #include "runtime/replay/headset.hpp"
 #include "runtime/replay/scene.hpp"
+#include "runtime/stereo/plane_resampler.hpp"
 #include "runtime/stereo/stereo_layers.hpp"
 #include "runtime/warp_layers/hole_rays.hpp"
 #include "runtime/warp_layers/novel_view.hpp"
@@ -29,8 +30,9 @@ inline bool is_single_pass(const Session& session) {
   return is_by_layers(session) || is_by_novel_view(session);
 }
 
-/// Layers, near plane and memory of the session's stereo/layers. Throws input_error for stages that it cannot
-/// work with, headsets whose eyes no shift connects, and layers that do not fit.
+/// Layers, near plane and memory of the session's stereo/layers; of canted displays on planes beside each
+/// other. Throws input_error for stages that it cannot work with, headsets that no such planes show, and
+/// layers that do not fit.
 StereoPlan plan_single_pass(const gpu::Device& device, const Session& session, const Headset& headset,
                             const VolumeInfo& volume, const VolumePlacement& placement);
 
@@ -109,12 +111,21 @@ class ByLayers final : public SinglePass {
   std::string note() const override;
 
  private:
+  /// Canted displays: both eyes' pictures on planes beside each other, and from there to the displays'.
+  struct Rectified {
+    Rectified(const Inputs& inputs, const Rectification& onto);
+    Rectification planes;
+    EyePair pictures;
+    std::array<PlaneResampler, 2> resamplers;
+  };
+  void record_second_eye(const EyeTarget& left, const EyeTarget& right);
   WorkCounts work_of_frame(const Cells* cells);
 
   const Headset& headset_;
   const SceneOnDevice& scene_;
   VolumePlacement placement_;
   CastPipeline pipeline_;
+  std::optional<Rectified> rectified_;
   StereoLayers layers_;
   std::optional<HoleRays> holes_;  // where pixels get rays of their own
   std::vector<gpu::Binding> bindings_;

@@ -20,15 +20,23 @@ int margin(double rays) {
 
 }  // namespace
 
+bool are_coplanar(const EyeViews& eyes) {
+  const glm::dvec3 apart_m = compose(inverse(eyes.left.world_from_eye), eyes.right.world_from_eye).position;
+  return angle_between_rad(eyes.left.world_from_eye.orientation, eyes.right.world_from_eye.orientation) <=
+             kParallel_rad &&
+         std::abs(apart_m.y) <= kBeside_m && std::abs(apart_m.z) <= kBeside_m;
+}
+
 StereoGeometry stereo_geometry(const EyeView& left, const EyeView& right) {
   const Pose left_from_right = compose(inverse(left.world_from_eye), right.world_from_eye);
   const double cant_rad =
       angle_between_rad(left.world_from_eye.orientation, right.world_from_eye.orientation);
   if (cant_rad > kParallel_rad) {
     throw input_error(
-        "stage stereo/layers: this headset's displays are canted by {:.3f} degrees, so no shift along the "
-        "rows "
-        "takes one eye's picture to the other's; accepted for it: stereo/novel_view, stereo/two_pass",
+        "stage stereo/layers: the eyes' planes are canted by {:.3f} degrees, so no shift along the rows "
+        "takes "
+        "one "
+        "eye's picture to the other's; accepted: those that rectify() gives, or stereo/two_pass",
         glm::degrees(cant_rad));
   }
   const glm::dvec3 apart = left_from_right.position;

@@ -24,8 +24,17 @@ struct StereoGeometry {
   double column(double x, double z_m) const { return pixels_per_ray * x + shift_px - disparity_px_m / z_m; }
 };
 
-/// Throws input_error where no shift along the rows takes one eye to the other: canted displays, eyes above
-/// or behind each other, pictures of different size.
+/// Both eyes of a frame.
+struct EyeViews {
+  EyeView left, right;
+};
+
+/// Whether a shift along the rows takes one eye's picture to the other's: neither is turned against the
+/// other, above or behind it. Otherwise rectify() finds planes where that is so.
+bool are_coplanar(const EyeViews& eyes);
+
+/// Throws input_error for eyes that are not coplanar, a right eye to the left of the other, and pictures of
+/// different size.
 StereoGeometry stereo_geometry(const EyeView& left, const EyeView& right);
 
 /// The depths in metres between which a placed volume lies before an eye; `near_m` <= 0: the eye's plane

@@ -11,11 +11,6 @@
 
 namespace brace {
 
-/// Both eyes of a frame.
-struct EyeViews {
-  EyeView left, right;
-};
-
 /// The settings that a stage with the parameters of stereo/layers asks for.
 StereoSettings stereo_settings(const PipelineStage& stage);
 

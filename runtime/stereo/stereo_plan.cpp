@@ -72,6 +72,8 @@ StereoPlan plan_stereo(const StereoSettings& settings, const StereoGeometry& geo
   }
   StereoPlan plan;
   plan.settings = settings;
+  plan.width_px = width_px;
+  plan.height_px = height_px;
   plan.near_m = settings.near_m;
   const double range_px = disparity_range_of_sphere_px(geometry.optics, radius_m, settings.near_m);
   if (range_px < 1.0) {

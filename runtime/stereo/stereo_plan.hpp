@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <string>
 
-#include "runtime/stereo/stereo_geometry.hpp"
+#include "runtime/stereo/rectification.hpp"
 
 namespace brace {
 
@@ -33,6 +33,7 @@ struct StereoPlan {
   /// The disparity varies by less than a pixel over the volume: no layers, the second eye's picture is the
   /// first's, shifted.
   bool layers_left_out = false;
+  int width_px = 0, height_px = 0;  // of an eye's picture
   int layers = 0;
   double near_m = 0.0;  // of the bounding sphere; nearer, layers may be too few
   RayMargins margins;
@@ -41,6 +42,7 @@ struct StereoPlan {
   std::string summary;       // for the report
   int columns = 0;           // of a layer
   StereoSettings settings;
+  std::optional<Rectification> rectification;  // of canted displays: what the figures above are of
 };
 
 /// Layers with which no two rays share a texel where the disparity varies by `range_px` over the volume.

@@ -241,18 +241,18 @@ TEST_F(Stereo, LessThanAPixelOfDisparityLeavesTheStageOut) {
   EXPECT_TRUE(said);
 }
 
-TEST_F(Stereo, LayersRefuseCantedDisplays) {
-  const Outcome outcome = run("one", {"pipeline.stereo=layers", "device.profile=valve-index"});
-  EXPECT_EQ(outcome.exit_code, 2);
-  EXPECT_THAT(outcome.err, HasSubstr("canted"));
-}
-
-TEST_F(Stereo, NovelViewTakesCantedDisplays) {
+TEST_F(Stereo, CantedDisplaysAreTakenAndLayersRectifyThemFirst) {
   ASSERT_EQ(run("two", {"device.profile=valve-index"}).exit_code, 0);
-  const Outcome outcome = run("one", {"pipeline.stereo=novel_view", "device.profile=valve-index"});
-  ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
   const double apart = mean_difference(picture("two", "left"), picture("two", "right"));
-  EXPECT_LT(mean_difference(picture("two", "right"), picture("one", "right")), 0.25 * apart);
+  for (const std::string stage : {"layers", "novel_view"}) {
+    const Outcome outcome = run(stage, {"pipeline.stereo=" + stage, "device.profile=valve-index"});
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+    for (const char* eye : {"left", "right"})
+      EXPECT_LT(mean_difference(picture("two", eye), picture(stage, eye)), 0.25 * apart)
+          << stage << " " << eye;
+    EXPECT_LT(samples(stage), 0.8 * samples("two")) << stage;
+    EXPECT_EQ(outcome.err.find("rectified first") != std::string::npos, stage == "layers") << outcome.err;
+  }
 }
 
 }  // namespace

@@ -128,6 +128,23 @@ TEST_F(StereoExtremes, HeadRolledByAQuarterTurn) {
   expect_like_two_passes([](Session&) {}, 0.01, rolled);
 }
 
+TEST_F(StereoExtremes, CantedDisplaysAreRectifiedAndBothEyesAreLikeThoseOfTwoPasses) {
+  Pose rolled;
+  rolled.orientation = quat_exp({0.0, 0.0, 0.5 * std::numbers::pi});
+  for (const Pose& head : {Pose{}, rolled}) {
+    const auto canted = [](const char* stereo) {
+      Session session = still_session(stereo, 96);
+      session.device.profile = "valve-index";
+      return session;
+    };
+    const EyePictures two = render(canted("two_pass"), head), one = render(canted("layers"), head);
+    EXPECT_GT(most_opaque(two[1]), 40);
+    EXPECT_GT(dssim(two[0], two[1]), 0.03) << "the eyes see alike: nothing is proved";
+    EXPECT_LE(dssim(one[0], two[0]), 0.0006);  // cast on its plane and resampled
+    EXPECT_LE(dssim(one[1], two[1]), 0.002);
+  }
+}
+
 TEST_F(StereoExtremes, OneVoxel) {
   expect_like_two_passes([](Session& session) { session.scene.volume = "generator:slab:1"; }, 0.01);
 }
