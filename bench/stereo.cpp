@@ -45,6 +45,8 @@ std::vector<Choice> methods() {
           layers_with("linear, rgba8", "interpolation = 'linear'\nformat = 'rgba8'\n"),
           layers_with("linear, rgba32f", "interpolation = 'linear'\nformat = 'rgba32f'\n"),
           layers_with("interleave 2", "interleave = 2\n"),
+          layers_with("middle", "reference = 'middle'\n"),
+          layers_with("middle, linear", "reference = 'middle'\ninterpolation = 'linear'\n"),
           kNovelView,
           {"novel_view, middle", kNovelView.lines + "[stage.'novel_view']\nreference = 'middle'\n"}};
 }
@@ -83,9 +85,9 @@ Pose around(const VolumePlacement& placement, double turn_rad) {
   return pose;
 }
 
-ImageRgba8 right_picture(const gpu::Device& device, const EyeRig& rig) {
+ImageRgba8 picture_of(const gpu::Device& device, const EyeRig& rig, std::size_t eye) {
   ImageRgba8 image(rig.headset.eye.width_px, rig.headset.eye.height_px);
-  gpu::download_values<Rgba8>(device, rig.eyes[1].image, image.pixels);
+  gpu::download_values<Rgba8>(device, rig.eyes[eye].image, image.pixels);
   return image;
 }
 
@@ -94,7 +96,7 @@ struct Turn {
   std::vector<double> times_s, model_s, software_s;
   WorkCounts work;
   double right_pixels = 0, layer_mib = 0;
-  std::vector<ImageRgba8> right;
+  std::vector<ImageRgba8> left, right;
 };
 
 Turn walk_round(const gpu::Device& device, const StereoBenchOptions& options, Session session) {
@@ -116,7 +118,8 @@ Turn walk_round(const gpu::Device& device, const StereoBenchOptions& options, Se
     turn.software_s.push_back(to_s(evaluate(options.software_model, JobKind::cast, full)));
     turn.work += outcome.work;
     turn.right_pixels += 0.5 * rig.pixels();
-    turn.right.push_back(right_picture(device, rig));
+    turn.left.push_back(picture_of(device, rig, 0));
+    turn.right.push_back(picture_of(device, rig, 1));
   }
   return turn;
 }
@@ -179,6 +182,8 @@ class Bench {
       for (std::size_t i = 0; i < once.right.size(); ++i) {
         const double dssim = dssim_from_ssim(ssim(once.right[i], twice.right[i]));
         row.dssim_mean += dssim / static_cast<double>(once.right.size());
+        row.dssim_left_mean +=
+            dssim_from_ssim(ssim(once.left[i], twice.left[i])) / static_cast<double>(once.left.size());
         row.dssim_max = std::max(row.dssim_max, dssim);
       }
       result_.rows.push_back(std::move(row));
@@ -223,17 +228,17 @@ std::string to_text(const StereoBenchResult& result) {
   std::string part;
   for (const StereoBenchRow& row : result.rows) {
     if (row.part != part)
-      text += fmt::format("\n{}\n{:<30}{:<18}{:<28}{:>6}{:>9}{:>17}{:>12}{:>9}{:>9}{:>8}{:>8}{:>9}{:>9}\n",
-                          row.part, "volume", "shading", "stereo", "scale", "V device",
-                          "V " + result.software_model, "V " + result.model, "samples", "fetches", "texels",
-                          "MiB", "DSSIM", "largest");
+      text += fmt::format(
+          "\n{}\n{:<30}{:<18}{:<28}{:>6}{:>9}{:>17}{:>12}{:>9}{:>9}{:>8}{:>8}{:>9}{:>9}{:>9}\n", row.part,
+          "volume", "shading", "stereo", "scale", "V device", "V " + result.software_model,
+          "V " + result.model, "samples", "fetches", "texels", "MiB", "DSSIM", "largest", "left");
     part = row.part;
     text += fmt::format(
         "{:<30}{:<18}{:<28}{:>6.2f}{:>9.3f}{:>17.3f}{:>12.3f}{:>8.1f}%{:>8.1f}%{:>8.1f}{:>8.1f}{:>9.5f}{:>9."
-        "5f}\n",
+        "5f}{:>9.5f}\n",
         row.volume, row.shading, row.stereo, row.resolution_scale, row.saved_device, row.saved_software_model,
         row.saved_model, 100.0 * row.samples_share, 100.0 * row.fetches_share, row.texels_per_px,
-        row.layer_mib, row.dssim_mean, row.dssim_max);
+        row.layer_mib, row.dssim_mean, row.dssim_max, row.dssim_left_mean);
   }
   return text;
 }
@@ -258,6 +263,7 @@ std::string to_json(const StereoBenchResult& result) {
                             {"fetches_share", row.fetches_share},
                             {"texels_per_px", row.texels_per_px},
                             {"layer_mib", row.layer_mib},
+                            {"dssim_left_mean", row.dssim_left_mean},
                             {"dssim_mean", row.dssim_mean},
                             {"dssim_max", row.dssim_max}});
   return json.dump(2);

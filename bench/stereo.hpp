@@ -44,6 +44,7 @@ struct StereoBenchRow {
   double texels_per_px = 0;  // of layers, 8 bytes read and 8 written each, over the right eye's pixels
   double layer_mib = 0;      // memory of re-projection layers
   double dssim_mean = 0, dssim_max = 0;  // of the right eye's picture, against two passes
+  double dssim_left_mean = 0;            // of the left one: 0 where its rays are those of two passes
 };
 
 struct StereoBenchResult {

@@ -43,6 +43,9 @@ CastKernels session_kernels(const Session& session, const SceneOnDevice& scene, 
   parts.native_rays = rays.stage.native != nullptr;
   parts.native_cast = is_native(session, "cast");
   CastKernels kernels = compose_cast_kernels(parts, scene.volume);
+  // Segments by level and texel, where rays are those of an atlas.
+  if (emits && is_by_layers(session) && rays.stage.id() == "rays/mab")
+    kernels.cast.defines.emplace_back("BRACE_STEREO_BY_TEXEL", "1");
   if (heat != EyeRenderer::RayHeat::none) {
     BRACE_CHECK(counters);
     kernels.cast.defines.emplace_back("BRACE_RAY_HEAT", heat == EyeRenderer::RayHeat::samples
@@ -113,15 +116,6 @@ void require_swaps_of_cells(const Session& session, const PipelineStage& schedul
 }
 
 }  // namespace
-
-std::optional<MabPlan> plan_mab(const Session& session, const Headset& headset) {
-  const PipelineStage& rays = session.pipeline.at("rays");
-  if (rays.stage.id() != "rays/mab") return {};
-  return MabPlan(mab_settings(rays), headset.profile,
-                 {.eye_px = {headset.eye.width_px, headset.eye.height_px},
-                  .panel_px = {headset.panel.width_px, headset.panel.height_px},
-                  .resolution_scale = session.device.resolution_scale});
-}
 
 void require_cells(const Session& session) {
   const auto refuse = [](const std::string& what, const char* accepted) {

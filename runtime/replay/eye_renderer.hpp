@@ -17,9 +17,6 @@
 
 namespace brace {
 
-/// The session's rays/mab over the headset's eyes; empty for other stages.
-std::optional<MabPlan> plan_mab(const Session& session, const Headset& headset);
-
 /// Throws input_error for stages that schedule/chunked cannot cast in cells.
 void require_cells(const Session& session);
 

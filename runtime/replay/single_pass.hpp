@@ -9,12 +9,11 @@
 #include <vector>
 
 #include "runtime/frame/frame_work.hpp"
-#include "runtime/mab/mab_braces.hpp"
+#include "runtime/mab/mab_plan.hpp"
+#include "runtime/raycast/cast_pipeline.hpp"
 #include "runtime/replay/headset.hpp"
 #include "runtime/replay/scene.hpp"
-#include "runtime/stereo/plane_resampler.hpp"
-#include "runtime/stereo/stereo_layers.hpp"
-#include "runtime/warp_layers/hole_rays.hpp"
+#include "runtime/stereo/stereo_plan.hpp"
 #include "runtime/warp_layers/novel_view.hpp"
 
 namespace brace {
@@ -29,6 +28,15 @@ bool is_by_novel_view(const Session& session);
 inline bool is_single_pass(const Session& session) {
   return is_by_layers(session) || is_by_novel_view(session);
 }
+
+/// The session's rays/mab over the headset's eyes; empty for other stages.
+std::optional<MabPlan> plan_mab(const Session& session, const Headset& headset);
+
+/// Throws input_error for stages that a single pass cannot work with.
+void require_single_pass(const Session& session);
+
+/// Where a head's eyes are.
+EyeViews views_of(const Headset& headset, const Pose& world_from_head);
 
 /// Layers, near plane and memory of the session's stereo/layers; of canted displays on planes beside each
 /// other. Throws input_error for stages that it cannot work with, headsets that no such planes show, and
@@ -91,88 +99,16 @@ class SinglePass {
   /// Opening brace and cast of an area of rays, submitted if there are cells, else only recorded.
   void cast_rays(const CastPipeline& pipeline, const CastPipeline::Resources& resources, const CastArea& area,
                  const Cells* cells);
+  /// For the report: how many rays per frame pixels got that nothing was known of.
+  static std::string fresh_rays_note(std::int64_t rays, std::int64_t frames);
+  static NovelView::Folders hole_folders(const Inputs& inputs) {
+    return {inputs.data_folder / "glsl", inputs.data_folder / "kernels" / "warp_layers"};
+  }
   /// Submits what was recorded after cast_rays; `work` of a frame without cells, or of what follows them.
   JobOutcome finish(const std::function<WorkCounts()>& work, const Cells* cells);
 
   const gpu::Device& device_;
   gpu::CommandList commands_;
-};
-
-/// stereo/layers: by re-projection layers.
-class ByLayers final : public SinglePass {
- public:
-  /// `kernels`: the session's; with its stereo stage's snippet unless the plan leaves layers out. `plain`:
-  /// without.
-  ByLayers(const Inputs& inputs, const StereoPlan& plan, const CastKernels& kernels,
-           const CastKernels& plain);
-
-  std::optional<JobOutcome> render(const Pose& world_from_head, const EyePair& into, double quality,
-                                   const Cells* cells) override;
-  std::string note() const override;
-
- private:
-  /// Canted displays: both eyes' pictures on planes beside each other, and from there to the displays'.
-  struct Rectified {
-    Rectified(const Inputs& inputs, const Rectification& onto);
-    Rectification planes;
-    EyePair pictures;
-    std::array<PlaneResampler, 2> resamplers;
-  };
-  void record_second_eye(const EyeTarget& left, const EyeTarget& right);
-  WorkCounts work_of_frame(const Cells* cells);
-
-  const Headset& headset_;
-  const SceneOnDevice& scene_;
-  VolumePlacement placement_;
-  CastPipeline pipeline_;
-  std::optional<Rectified> rectified_;
-  StereoLayers layers_;
-  std::optional<HoleRays> holes_;  // where pixels get rays of their own
-  std::vector<gpu::Binding> bindings_;
-  std::int64_t frames_ = 0, cast_twice_ = 0, fresh_rays_ = 0;
-};
-
-/// stereo/novel_view: by layers of emission and absorption along the left eye's rays (runtime/warp_layers).
-/// With rays/mab these are the rays of an atlas over that eye's picture and what is beside it.
-class ByNovelView final : public SinglePass {
- public:
-  /// `kernels`: the session's with its stereo stage's snippet; `plain`: without, and a ray per pixel. Throws
-  /// input_error as plan_single_pass does, and for layers that the device cannot hold.
-  ByNovelView(const Inputs& inputs, const CastKernels& kernels, const CastKernels& plain);
-
-  std::optional<JobOutcome> render(const Pose& world_from_head, const EyePair& into, double quality,
-                                   const Cells* cells) override;
-  void look_at(const glm::dvec3& gaze) override {
-    if (mab_) mab_->look_at(gaze);
-  }
-  std::string note() const override;
-
- private:
-  RayGrid ray_grid() const { return mab_ ? mab_->grid(sim::Eye::left) : grid_; }
-  void bind();
-  CastPipeline::Resources resources_of(const EyeTarget& target) const;
-  LayerSource layer_source_of(const EyeView& reference) const;
-  void cut_out(const EyeTarget& into);
-  WorkCounts work_of_frame(const Cells* cells);
-  /// What an eye sees, with fresh rays for what is not known.
-  void record_view(const EyeView& reference, const EyeView& eye, const EyeTarget& into);
-
-  const Headset& headset_;
-  const SceneOnDevice& scene_;
-  VolumePlacement placement_;
-  bool middle_;  // both eyes are views from between them; else the left one is cast
-  RayGrid grid_;
-  std::unique_ptr<MabBraces> mab_;  // null unless the session's rays are rays/mab's
-  EyeTarget wide_;                  // with it: the cast eye's picture and what is beside it, with its layers
-  CastPipeline pipeline_;
-  RayBuffers rays_;     // of the grid; with rays/mab of pixels with rays of their own alone
-  gpu::Buffer layers_;  // empty with rays/mab
-  NovelView view_;
-  HoleRays holes_;
-  NovelView::Box box_;
-  std::vector<gpu::Binding> bindings_;
-  std::int64_t frames_ = 0, fresh_rays_ = 0;
-  std::optional<EyeTarget> reference_;  // of the middle
 };
 
 /// What of a session's work is done in single pass; `cast_kernels(true)` composes its stereo stage's snippet

@@ -20,6 +20,21 @@ int margin(double rays) {
 
 }  // namespace
 
+EyeViews mirrored(const EyeViews& pair) {
+  EyeViews in_mirror = pair;
+  for (EyeView* eye : {&in_mirror.left, &in_mirror.right}) {
+    const double tan_left = eye->tan_left;
+    eye->tan_left = -eye->tan_right;
+    eye->tan_right = -tan_left;
+  }
+  const Pose apart = compose(inverse(pair.left.world_from_eye), pair.right.world_from_eye);
+  const glm::dquat& q = apart.orientation;
+  in_mirror.left.world_from_eye = Pose{};
+  in_mirror.right.world_from_eye = {glm::dquat(q.w, q.x, -q.y, -q.z),
+                                    {-apart.position.x, apart.position.y, apart.position.z}};
+  return in_mirror;
+}
+
 bool are_coplanar(const EyeViews& eyes) {
   const glm::dvec3 apart_m = compose(inverse(eyes.left.world_from_eye), eyes.right.world_from_eye).position;
   return angle_between_rad(eyes.left.world_from_eye.orientation, eyes.right.world_from_eye.orientation) <=

@@ -29,6 +29,9 @@ struct EyeViews {
   EyeView left, right;
 };
 
+/// Both as a mirror shows them: an eye to the left of the other is to its right then.
+EyeViews mirrored(const EyeViews& pair);
+
 /// Whether a shift along the rows takes one eye's picture to the other's: neither is turned against the
 /// other, above or behind it. Otherwise rectify() finds planes where that is so.
 bool are_coplanar(const EyeViews& eyes);

@@ -14,27 +14,49 @@ namespace {
 
 /// Binding slots of the snippet and of the kernels here; layers_store.glsl is the same list.
 constexpr std::uint32_t kParamsSlot = 16, kTexelsSlot = 17, kRangesSlot = 18, kCountsSlot = 19,
-                        kHolesSlot = 20;
+                        kHolesSlot = 20, kColoursSlot = 21, kDepthsSlot = 22;
 
 gpu::ComputePipeline second_eye_pipeline(const gpu::Device& device, const PipelineStage& stage,
-                                         bool layers_left_out, const StereoLayers::Folders& folders) {
+                                         const StereoPlan& plan, const StereoLayers::Folders& folders) {
   const std::array<const PipelineStage*, 1> stages = {&stage};
   StageGlsl glsl = stage_glsl(stages);
   gpu::KernelDescription kernel;
-  kernel.main = gpu::read_glsl(folders.kernels / (layers_left_out ? "shift.comp" : "compose.comp"));
+  kernel.main = gpu::read_glsl(folders.kernels / (plan.layers_left_out ? "shift.comp" : "compose.comp"));
   kernel.resolve = gpu::chain_resolvers({glsl.resolve, gpu::directory_resolver({folders.glsl})});
   kernel.constants = glsl.constants;
+  if (plan.levels > 0) kernel.defines.emplace_back("BRACE_STEREO_BY_TEXEL", "1");
   return gpu::make_pipeline(device, kernel);
-}
-
-std::uint64_t product(int a, int b) {
-  return static_cast<std::uint64_t>(a) * static_cast<std::uint64_t>(b);
 }
 
 void set(float (&to)[4], double x, double y, double z = 0.0, double w = 0.0) {
   const double from[4] = {x, y, z, w};
   for (int i = 0; i < 4; ++i)
     to[i] = static_cast<float>(from[i]);
+}
+
+BraceStereoParams params_of(const StereoPlan& plan, const StereoPicture& picture,
+                            const BraceStereoParams& common, double unit_m, std::uint32_t frame) {
+  BraceStereoParams params = common;
+  const StereoPair& pair = picture.pair;
+  const StereoGeometry& geometry = pair.geometry;
+  const double columns = plan.layers_left_out ? 1.0 : plan.settings.columns_per_pixel();
+  set(params.line, columns * geometry.pixels_per_ray, columns * geometry.shift_px,
+      columns * geometry.disparity_px_m / unit_m);
+  set(params.columns, columns, picture.columns);
+  set(params.tangents, pair.tangents.left, pair.tangents.per_column, pair.tangents.top,
+      pair.tangents.per_row);
+  set(params.rows, geometry.rows_per_row, geometry.row_shift);
+  const std::int32_t grid[4] = {picture.left, picture.top, picture.across, picture.down};
+  std::copy(std::begin(grid), std::end(grid), std::begin(params.grid));
+  const std::uint32_t layers[4] = {static_cast<std::uint32_t>(picture.layers), frame,
+                                   static_cast<std::uint32_t>(pair.width_px),
+                                   static_cast<std::uint32_t>(pair.height_px)};
+  std::copy(std::begin(layers), std::end(layers), std::begin(params.layers));
+  const std::uint32_t first[4] = {static_cast<std::uint32_t>(picture.first_texel),
+                                  static_cast<std::uint32_t>(picture.first_ray), pair.is_mirrored ? 1u : 0u,
+                                  static_cast<std::uint32_t>(std::max(plan.levels, 1))};
+  std::copy(std::begin(first), std::end(first), std::begin(params.first));
+  return params;
 }
 
 }  // namespace
@@ -48,25 +70,27 @@ StereoSettings stereo_settings(const PipelineStage& stage) {
   settings.interpolates = stage.value("interpolation") == 1.0;
   settings.interleave = static_cast<int>(stage.value("interleave"));
   settings.fresh_rays = stage.value("holes") == 0.0;
+  settings.from_middle = stage.value("reference") == 1.0;
   return settings;
 }
 
 StereoLayers::StereoLayers(const gpu::Device& device, const PipelineStage& stage, const StereoPlan& plan,
-                           int width_px, int height_px, const Folders& folders)
+                           const Folders& folders)
     : device_(device),
       plan_(plan),
-      width_px_(width_px),
-      height_px_(height_px),
-      rays_(device, plan.across, plan.down),
-      params_(device, "stereo parameters", sizeof(BraceStereoParams), gpu::Memory::upload),
-      second_eye_(second_eye_pipeline(device, stage, plan.layers_left_out, folders)) {
-  if (plan.columns > 65535) {
-    throw input_error("stage stereo/layers: layers are {} columns wide; accepted: up to 65535", plan.columns);
+      rays_(plan.levels > 0 ? RayBuffers() : RayBuffers(device, plan.across, plan.down)),
+      params_(device, "stereo parameters", plan.pictures.size() * sizeof(BraceStereoParams),
+              gpu::Memory::upload),
+      second_eye_(second_eye_pipeline(device, stage, plan, folders)) {
+  for (const StereoPicture& picture : plan.pictures) {
+    if (picture.columns <= 65535) continue;
+    throw input_error("stage stereo/layers: layers are {} columns wide; accepted: up to 65535",
+                      picture.columns);
   }
   bindings_ = {gpu::bind(kParamsSlot, params_)};
   if (plan.layers_left_out) return;
   texels_ = gpu::Buffer(device, "stereo layers", plan.bytes, gpu::Memory::device);
-  ranges_ = gpu::Buffer(device, "stereo ranges", product(plan.across, plan.down) * 8, gpu::Memory::device);
+  ranges_ = gpu::Buffer(device, "stereo ranges", plan.rays * 8, gpu::Memory::device);
   counts_ = gpu::Buffer(device, "stereo counts", sizeof(Counts), gpu::Memory::readback);
   reset_counters();
   clear_ranges();
@@ -81,49 +105,51 @@ void StereoLayers::clear_ranges() {
   gpu::submit_and_wait(clear);
 }
 
-bool StereoLayers::begin_frame(const EyeViews& eyes, const VolumeInfo& volume,
+/// Whether the layers and the rays beside the picture are enough; sets those that are cast.
+bool StereoLayers::fits(DepthRange depths) {
+  area_ = {plan_.margins.left, 0, plan_.width_px, plan_.down};
+  int left = 0, right = 0;
+  for (const StereoPicture& picture : plan_.pictures) {
+    const StereoGeometry& geometry = picture.pair.geometry;
+    const double range_px = disparity_range_px(geometry.optics, depths.near_m, depths.far_m);
+    if (plan_.layers_left_out ? !(range_px < 1.0)
+                              : layers_for(plan_.settings, geometry, range_px) > picture.layers)
+      return false;
+    if (plan_.levels > 0) continue;
+    // The margins were made for the near plane, but need not be cast farther than the eyes see.
+    RayMargins needed = ray_margins(geometry, plan_.width_px, plan_.height_px, depths);
+    const int made_right = picture.across - picture.left - plan_.width_px;
+    if (needed.right > made_right) return false;
+    needed.left = std::min(needed.left, picture.left);
+    left = std::max(left, picture.pair.is_mirrored ? needed.right : needed.left);
+    right = std::max(right, picture.pair.is_mirrored ? needed.left : needed.right);
+  }
+  area_.x -= left;
+  area_.width += left + right;
+  return true;
+}
+
+bool StereoLayers::begin_frame(const EyeView& reference, const VolumeInfo& volume,
                                const VolumePlacement& placement) {
-  const StereoGeometry geometry = stereo_geometry(eyes.left, eyes.right);
-  DepthRange depths = depth_range(eyes.left, volume, placement);
+  DepthRange depths = depth_range(reference, volume, placement);
   // Behind the eyes: no ray meets it, whatever the depths.
   if (depths.far_m <= 0.0) depths = {plan_.near_m, plan_.near_m};
-  if (!(depths.near_m > 0.0)) return false;
-  const double range_px = disparity_range_px(geometry.optics, depths.near_m, depths.far_m);
-  const bool fits =
-      plan_.layers_left_out ? range_px < 1.0 : layers_for(plan_.settings, geometry, range_px) <= plan_.layers;
-  const RayMargins needed = ray_margins(geometry, width_px_, height_px_, depths);
-  // The margins were made for the near plane, but need not be cast farther than the second eye sees.
-  if (!fits || needed.right > plan_.margins.right) return false;
-
-  const RayMargins& made = plan_.margins;
-  const int left = std::min(needed.left, made.left);
-  area_ = {made.left - left, 0, left + width_px_ + needed.right, plan_.down};
-
-  const double unit_m = metres_per_unit(volume, placement);
-  const glm::dvec3 forward = glm::conjugate(placement.world_from_volume.orientation) *
-                             (eyes.left.world_from_eye.orientation * glm::dvec3(0.0, 0.0, -1.0));
-  BraceStereoParams params{};
-  set(params.forward, forward.x, forward.y, forward.z);
-  const double columns = plan_.layers_left_out ? 1.0 : plan_.settings.columns_per_pixel();
-  set(params.line, columns * geometry.pixels_per_ray, columns * geometry.shift_px,
-      columns * geometry.disparity_px_m / unit_m);
-  set(params.columns, columns, plan_.columns);
-  set(params.depths, depths.near_m / unit_m, depths.far_m / unit_m);
-  set(params.tangents, eyes.right.tan_left, (eyes.right.tan_right - eyes.right.tan_left) / width_px_,
-      eyes.right.tan_top, (eyes.right.tan_bottom - eyes.right.tan_top) / height_px_);
-  set(params.rows, geometry.rows_per_row, geometry.row_shift);
-  const std::int32_t grid[4] = {made.left, made.top, plan_.across, plan_.down};
-  std::copy(std::begin(grid), std::end(grid), std::begin(params.grid));
+  if (!(depths.near_m > 0.0) || !fits(depths)) return false;
   if (frame_ == 0xffff) {
     if (ranges_) clear_ranges();  // else those of 65535 frames ago would count
     frame_ = 0;
   }
   ++frame_;
-  const std::uint32_t layers[4] = {static_cast<std::uint32_t>(plan_.layers), frame_,
-                                   static_cast<std::uint32_t>(width_px_),
-                                   static_cast<std::uint32_t>(height_px_)};
-  std::copy(std::begin(layers), std::end(layers), std::begin(params.layers));
-  gpu::upload_values(device_, params_, std::span<const BraceStereoParams>(&params, 1));
+  const double unit_m = metres_per_unit(volume, placement);
+  BraceStereoParams common{};
+  const glm::dvec3 forward = glm::conjugate(placement.world_from_volume.orientation) *
+                             (reference.world_from_eye.orientation * glm::dvec3(0.0, 0.0, -1.0));
+  set(common.forward, forward.x, forward.y, forward.z);
+  set(common.depths, depths.near_m / unit_m, depths.far_m / unit_m);
+  std::vector<BraceStereoParams> params;
+  for (const StereoPicture& picture : plan_.pictures)
+    params.push_back(params_of(plan_, picture, common, unit_m, frame_));
+  gpu::upload_values(device_, params_, std::span<const BraceStereoParams>(params));
   return true;
 }
 
@@ -138,16 +164,28 @@ void StereoLayers::reset_counters() const {
   if (counts_) gpu::upload_values(device_, counts_, std::span<const std::uint32_t>(zero));
 }
 
-void StereoLayers::record_second_eye(gpu::CommandList& commands, const EyeTarget& first,
-                                     const EyeTarget& second, const gpu::Buffer* holes) const {
+void StereoLayers::record_composed(gpu::CommandList& commands, std::size_t eye, const Composed& into) const {
   std::vector<gpu::Binding> bindings = bindings_;
-  bindings.push_back(gpu::bind(CastSlot::eye, first.params));
-  bindings.push_back(gpu::bind(CastSlot::result_colour, rays_.colours));
-  bindings.push_back(gpu::bind(CastSlot::result_depth, rays_.depths_m));
-  bindings.push_back(gpu::bind(CastSlot::eye_image, second.image));
-  bindings.push_back(gpu::bind(CastSlot::eye_depth, second.depth));
-  if (holes != nullptr) bindings.push_back(gpu::bind(kHolesSlot, *holes));
-  commands.dispatch(second_eye_, bindings, {}, second_eye_.groups_for(width_px_, height_px_));
+  bindings.push_back(gpu::bind(CastSlot::eye, into.target.params));
+  int across = plan_.width_px, down = plan_.height_px;
+  if (into.atlas != nullptr) {
+    bindings.push_back(
+        gpu::bind(kColoursSlot, into.colours != nullptr ? *into.colours : into.atlas->colours));
+    bindings.push_back(
+        gpu::bind(kDepthsSlot, into.depths_m != nullptr ? *into.depths_m : into.atlas->depths_m));
+    bindings.insert(bindings.end(), into.of_atlas.begin(), into.of_atlas.end());
+    across = into.grid.across;
+    down = into.grid.down;
+  } else {
+    bindings.push_back(gpu::bind(CastSlot::result_colour, rays_.colours));
+    bindings.push_back(gpu::bind(CastSlot::result_depth, rays_.depths_m));
+    bindings.push_back(gpu::bind(CastSlot::eye_image, into.target.image));
+    bindings.push_back(gpu::bind(CastSlot::eye_depth, into.target.depth));
+  }
+  if (into.holes != nullptr) bindings.push_back(gpu::bind(kHolesSlot, *into.holes));
+  const BraceArea area{{static_cast<std::uint32_t>(eye * pictures_per_eye()), 0},
+                       {static_cast<std::uint32_t>(across), static_cast<std::uint32_t>(down)}};
+  commands.dispatch(second_eye_, bindings, gpu::push_bytes(area), second_eye_.groups_for(across, down));
 }
 
 }  // namespace brace

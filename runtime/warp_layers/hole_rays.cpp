@@ -1,6 +1,6 @@
 #include "runtime/warp_layers/hole_rays.hpp"
 
-#include <array>
+#include <vector>
 
 #include "base/error.hpp"
 
@@ -8,53 +8,73 @@ namespace brace {
 
 namespace {
 
-constexpr std::uint32_t kMarkedSlot = 34;  // holes.comp has the same
+constexpr std::uint32_t kMarkedSlot = 34, kColoursSlot = 35, kDepthsSlot = 36;  // holes.comp has the same
 
-gpu::ComputePipeline holes_pipeline(const gpu::Device& device, const NovelView::Folders& folders, bool mask) {
+gpu::ComputePipeline holes_pipeline(const gpu::Device& device, const NovelView::Folders& folders, bool mask,
+                                    HoleRays::Of of) {
   gpu::KernelDescription kernel;
   kernel.main = gpu::read_glsl(folders.kernels / "holes.comp");
   kernel.resolve = gpu::directory_resolver({folders.glsl});
   if (mask) kernel.defines.emplace_back("BRACE_HOLES_MASK", "1");
+  if (of == HoleRays::Of::atlas) kernel.defines.emplace_back("BRACE_HOLES_OF_ATLAS", "1");
   return gpu::make_pipeline(device, kernel);
+}
+
+gpu::Buffer per_ray(const gpu::Device& device, const char* name, int across, int down, std::uint64_t bytes) {
+  return {device, name, static_cast<std::uint64_t>(across) * static_cast<std::uint64_t>(down) * bytes,
+          gpu::Memory::device};
 }
 
 }  // namespace
 
-HoleRays::HoleRays(const gpu::Device& device, const CastKernels& kernels, int width_px, int height_px,
-                   const NovelView::Folders& folders)
+HoleRays::HoleRays(const gpu::Device& device, const CastKernels& kernels, int across, int down,
+                   const NovelView::Folders& folders, Of of)
     : device_(device),
-      width_px_(width_px),
-      height_px_(height_px),
+      across_(across),
+      down_(down),
+      of_(of),
       pipeline_(device, kernels),
-      mask_(holes_pipeline(device, folders, true)),
-      merge_(holes_pipeline(device, folders, false)),
-      holes_(device, "holes",
-             static_cast<std::uint64_t>(width_px) * static_cast<std::uint64_t>(height_px) * 4,
-             gpu::Memory::device) {}
+      mask_(holes_pipeline(device, folders, true, of)),
+      merge_(holes_pipeline(device, folders, false, of)),
+      holes_(per_ray(device, "holes", across, down, 4)) {
+  if (of == Of::pixels) return;
+  colours_ = per_ray(device, "composed colours", across, down, 16);
+  depths_m_ = per_ray(device, "composed depths", across, down, 4);
+}
 
 void HoleRays::record(gpu::CommandList& commands, const CastPipeline::Resources& resources) const {
-  const CastArea pixels{0, 0, width_px_, height_px_};
+  const bool of_atlas = of_ == Of::atlas;
+  const CastArea rays{0, 0, of_atlas ? resources.rays_across() : across_,
+                      of_atlas ? resources.rays_down() : down_};
+  BRACE_CHECK(rays.width * rays.height <= across_ * down_);
   const BraceArea area{{0, 0},
-                       {static_cast<std::uint32_t>(width_px_), static_cast<std::uint32_t>(height_px_)}};
-  const std::array bindings = {gpu::bind(CastSlot::eye, resources.target.params),
-                               gpu::bind(CastSlot::ray_entry, resources.rays.entries),
-                               gpu::bind(CastSlot::result_colour, resources.rays.colours),
-                               gpu::bind(CastSlot::result_depth, resources.rays.depths_m),
-                               gpu::bind(CastSlot::eye_image, resources.target.image),
-                               gpu::bind(CastSlot::eye_depth, resources.target.depth),
-                               gpu::bind(kMarkedSlot, holes_)};
+                       {static_cast<std::uint32_t>(rays.width), static_cast<std::uint32_t>(rays.height)}};
+  std::vector<gpu::Binding> bindings = {gpu::bind(CastSlot::eye, resources.target.params),
+                                        gpu::bind(CastSlot::ray_entry, resources.rays.entries),
+                                        gpu::bind(CastSlot::result_colour, resources.rays.colours),
+                                        gpu::bind(CastSlot::result_depth, resources.rays.depths_m),
+                                        gpu::bind(CastSlot::eye_image, resources.target.image),
+                                        gpu::bind(CastSlot::eye_depth, resources.target.depth),
+                                        gpu::bind(kMarkedSlot, holes_)};
+  if (of_atlas) {
+    bindings.push_back(gpu::bind(kColoursSlot, colours_));
+    bindings.push_back(gpu::bind(kDepthsSlot, depths_m_));
+  }
   const auto run = [&](const gpu::ComputePipeline& pipeline) {
-    const auto groups = [](int px) { return static_cast<std::uint32_t>((px + 7) / 8); };
     commands.dispatch(pipeline, bindings, std::as_bytes(std::span(&area, 1)),
-                      {groups(width_px_), groups(height_px_), 1});
+                      pipeline.groups_for(rays.width, rays.height));
     commands.barrier();
   };
-  pipeline_.record_opening(commands, resources, pixels);
+  pipeline_.record_opening(commands, resources, rays);
   commands.barrier();
   run(mask_);
-  pipeline_.record_cast(commands, resources, pixels);
+  pipeline_.record_cast(commands, resources, rays);
   commands.barrier();
   run(merge_);
+  if (!of_atlas) return;
+  pipeline_.record_closing(commands, resources,
+                           {0, 0, resources.target.width_px, resources.target.height_px});
+  commands.barrier();
 }
 
 }  // namespace brace

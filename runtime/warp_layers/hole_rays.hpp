@@ -5,30 +5,39 @@
 
 namespace brace {
 
-/// Fresh rays for the pixels of a novel view that are not known to the end. The device must outlive it.
+/// Fresh rays for the pixels of a composed picture that are not known to the end. The device must outlive it.
 class HoleRays {
  public:
-  /// `kernels`: the session's, without a snippet that emits. `rays`: of the pictures' pixels at least.
-  HoleRays(const gpu::Device& device, const CastKernels& kernels, int width_px, int height_px,
-           const NovelView::Folders& folders);
+  /// Whose rays they are: of the picture's pixels, or of an atlas whose texels were composed (rays/mab).
+  enum class Of { pixels, atlas };
 
-  /// What NovelView::record marks.
+  /// `kernels`: the session's, without a snippet that emits. `across`, `down`: pixels, or the most rays of
+  /// the atlas; `rays` of the resources are as many at least.
+  HoleRays(const gpu::Device& device, const CastKernels& kernels, int across, int down,
+           const NovelView::Folders& folders, Of of = Of::pixels);
+
+  /// A uint per pixel, or per ray of an atlas: 1 where a fresh ray is wanted.
   const gpu::Buffer& holes() const { return holes_; }
+  /// Of an atlas: where what was composed goes, a premultiplied vec4 and a float (metres) per ray.
+  const gpu::Buffer& composed_colours() const { return colours_; }
+  const gpu::Buffer& composed_depths_m() const { return depths_m_; }
 
   /// Records, after a barrier, the cast of the marked pixels into `resources.target`, for which
-  /// CastPipeline::set_eye was called with grid().
+  /// CastPipeline::set_eye was called with grid(); of the marked rays of an atlas, and its closing, after
+  /// set_eye with the atlas' grid, which `resources` have.
   void record(gpu::CommandList& commands, const CastPipeline::Resources& resources) const;
-  RayGrid grid() const { return {width_px_, height_px_}; }
+  RayGrid grid() const { return {across_, down_}; }
 
   WorkCounts counted() const { return pipeline_.counted(device_); }
   void reset_counters() const { pipeline_.reset_counters(device_); }
 
  private:
   const gpu::Device& device_;
-  int width_px_, height_px_;
+  int across_, down_;
+  Of of_;
   CastPipeline pipeline_;
   gpu::ComputePipeline mask_, merge_;
-  gpu::Buffer holes_;
+  gpu::Buffer holes_, colours_, depths_m_;
 };
 
 }  // namespace brace

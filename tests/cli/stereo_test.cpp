@@ -164,15 +164,28 @@ TEST_F(Stereo, NovelViewIsRefusedByNameWhereItsLayersCannotBeMade) {
 TEST_F(Stereo, WhatOnlyTheRightEyeSeesGetsRaysOfItsOwn) {
   // An opaque box whose right side lies between the eyes.
   const std::vector<std::string> box = {"scene.volume=generator:solid_box:24", "device.resolution_scale=0.15",
-                                        "trace.neck.motion=still", "pipeline.stereo=novel_view"};
-  const auto fresh_rays = [&](const char* position) {
+                                        "trace.neck.motion=still"};
+  const auto fresh_rays = [&](const std::string& stage, const char* position) {
     std::vector<std::string> settings = box;
-    settings.push_back(position);
+    settings.insert(settings.end(), {"pipeline.stereo=" + stage, position});
     EXPECT_EQ(run("one", settings).exit_code, 0);
-    return std::stod(summary("one")["facts"]["stereo/novel_view, frames"].get<std::string>());
+    return std::stod(summary("one")["facts"]["stereo/" + stage + ", frames"].get<std::string>());
   };
-  EXPECT_GT(fresh_rays("scene.position=-0.125,1.6,-0.6"), 30.0);
-  EXPECT_LT(fresh_rays("scene.position=0,1.6,-3"), 3.0);
+  const char* beside = "scene.position=-0.125,1.6,-0.6";
+  for (const std::string stage : {"layers", "novel_view"}) {
+    EXPECT_GT(fresh_rays(stage, beside), 30.0) << stage;
+    EXPECT_LT(fresh_rays(stage, "scene.position=0,1.6,-3"), 3.0) << stage;
+  }
+  // They show it: without, the picture is farther from that of two passes.
+  std::vector<std::string> settings = box;
+  settings.push_back(beside);
+  ASSERT_EQ(run("two", settings).exit_code, 0);
+  settings.push_back("pipeline.stereo=layers");
+  ASSERT_EQ(run("fresh", settings).exit_code, 0);
+  settings.push_back("stage.layers.holes=none");
+  ASSERT_EQ(run("none", settings).exit_code, 0);
+  const double without = mean_difference(picture("two", "right"), picture("none", "right"));
+  EXPECT_LT(mean_difference(picture("two", "right"), picture("fresh", "right")), 0.5 * without);
 }
 
 TEST_F(Stereo, MemoryOfLayersIsSaidAndIsThatOfTheSourcesFormula) {

@@ -7,16 +7,28 @@
 // Linear interpolation (He and Kaufman 1996): at every depth the pixel's middle lies between two rays, and optical depths
 // are weighted by how near each is. Columns are half a pixel wide, so that pieces of both rays at the same depth are
 // told from those before and behind.
+//
+// With rays/mab (BRACE_STEREO_BY_TEXEL) what is composed are the texels of the eye's own atlas, each from the rays of its
+// level; of rays that were not cast nothing is known.
 #include "brace/frame.glsl"
 #include "stage/parameters.glsl"
+#if !defined(BRACE_STEREO_REFERENCE_MIDDLE)
+#define BRACE_STEREO_REFERENCE_MIDDLE  // which picture it is comes with the dispatch
+#endif
 #include "layers_store.glsl"
 
 layout(local_size_x = 8, local_size_y = 8) in;
 
+#if defined(BRACE_STEREO_BY_TEXEL)
+layout(std430, set = 0, binding = 21) writeonly buffer BraceStereoColours { vec4 stereo_colours[]; };
+layout(std430, set = 0, binding = 22) writeonly buffer BraceStereoDepths { float stereo_depths_m[]; };
+layout(std430, set = 0, binding = 25) readonly buffer BraceMabTexels { uint stereo_texel_of_ray[]; };
+#else
 layout(std430, set = 0, binding = BRACE_SLOT_EYE_IMAGE) buffer BraceEyeImage { uint brace_eye_image[]; };
 layout(std430, set = 0, binding = BRACE_SLOT_EYE_DEPTH) buffer BraceEyeDepth { float brace_eye_depth_m[]; };
+#endif
 #if defined(BRACE_STEREO_HOLES_FRESH_RAYS)
-// Per pixel: 1 where what it shows is not known to the end.
+// Per pixel, or per ray of an atlas: 1 where what it shows is not known to the end.
 layout(std430, set = 0, binding = 20) writeonly buffer BraceStereoHoles { uint stereo_unknown[]; };
 #endif
 
@@ -37,7 +49,6 @@ struct Left {
   int first, behind, until;
   uint at;
 };
-const Left nothing = Left(1, 0, 0, 0u);
 
 // Ray whose column of the layers at a depth is `column`, rounded down.
 int ray_at(float column, float depth, int row) {
@@ -46,10 +57,22 @@ int ray_at(float column, float depth, int row) {
   return int(floor(clamp(rays, -1e6, 1e6))) + stereo.grid.x;
 }
 
+// Of a ray that was not cast: with rays/mab nothing is known of the columns that the volume can fall on; else it lies
+// beside all that can be seen, or misses the volume.
+Left not_cast(int ray, int row) {
+#if defined(BRACE_STEREO_BY_TEXEL)
+  const float line = stereo_line_of(ray, uint(max(row, 0)));
+  const int low = int(floor(line - stereo.line.z / stereo.depths.x));
+  return Left(0x7fffffff, low + 1, int(floor(line - stereo.line.z / stereo.depths.y)) + 1, 0u);
+#else
+  return Left(0x7fffffff, 0, 0, 0u);
+#endif
+}
+
 Left left_by(int ray, int row) {
-  if (ray < 0 || ray >= stereo.grid.z) return nothing;
-  const uvec2 range = stereo_ranges[row * stereo.grid.z + ray];
-  if ((range.y & 0xffffu) != stereo.layers.y) return nothing;
+  if (ray < 0 || ray >= stereo.grid.z || row < 0 || row >= stereo.grid.w) return not_cast(ray, row);
+  const uvec2 range = stereo_ranges[stereo_range_of(uvec2(ray, row))];
+  if ((range.y & 0xffffu) != stereo.layers.y) return not_cast(ray, row);
   return Left(int(range.x & 0xffffu), int(range.x >> 16), int(range.y >> 16), stereo_row_of(uvec2(ray, row)));
 }
 
@@ -69,6 +92,15 @@ void blend(inout Composed sum, vec4 piece, int ray, int row, float column) {
   if (sum.unknown && sum.colour.w < 1.0 - hole_left) sum.hole = true;
 }
 
+#if defined(BRACE_STEREO_BY_TEXEL)
+// Rays that were not cast count wherever they would be.
+int first_ray() { return -0x7fffffff; }
+int last_ray() { return 0x7fffffff; }
+#else
+int first_ray() { return 0; }
+int last_ray() { return stereo.grid.z - 1; }
+#endif
+
 #if defined(BRACE_STEREO_INTERPOLATION_LINEAR)
 // Both at the same depths: optical depths add up by weight, and colours by them.
 vec4 mixed(vec4 a, float weight_a, vec4 b, float weight_b) {
@@ -83,8 +115,8 @@ vec4 mixed(vec4 a, float weight_a, vec4 b, float weight_b) {
 Composed compose_row(int x, int row) {
   Composed sum = Composed(vec4(0.0), BRACE_NO_HIT, false, false);
   const int first = 2 * x - 1;  // of the four columns whose rays are within a pixel of the middle
-  const int entry = min(ray_at(float(first + 4), stereo.depths.x, row) + 1, stereo.grid.z - 1);
-  const int exit = max(ray_at(float(first), stereo.depths.y, row), 0);
+  const int entry = min(ray_at(float(first + 4), stereo.depths.x, row) + 1, last_ray());
+  const int exit = max(ray_at(float(first), stereo.depths.y, row), first_ray());
   Left here = left_by(entry, row);
   for (int ray = entry; ray >= exit; --ray) {
     const Left next = left_by(ray - 1, row);
@@ -102,9 +134,9 @@ Composed compose_row(int x, int row) {
 #else
 Composed compose_column(int column, int row) {
   Composed sum = Composed(vec4(0.0), BRACE_NO_HIT, false, false);
-  int entry = min(ray_at(float(column) + 1.0, stereo.depths.x, row) + stereo_interleave, stereo.grid.z - 1);
+  int entry = min(ray_at(float(column) + 1.0, stereo.depths.x, row) + stereo_interleave, last_ray());
   entry -= (entry + row) % stereo_interleave;
-  const int exit = max(ray_at(float(column), stereo.depths.y, row), 0);
+  const int exit = max(ray_at(float(column), stereo.depths.y, row), first_ray());
   for (int ray = entry; ray >= exit; ray -= stereo_interleave) {
     blend(sum, piece_of(left_by(ray, row), column, sum), ray, row, float(column) + 0.5);
     if (sum.colour.w >= opaque) break;
@@ -126,23 +158,49 @@ Composed compose_row(int x, int row) {
 }
 #endif
 
-void main() {
-  if (any(greaterThanEqual(gl_GlobalInvocationID.xy, stereo.layers.zw))) return;
-  const ivec2 pixel = ivec2(gl_GlobalInvocationID.xy);
+Composed compose(ivec2 pixel) {
   const float row = stereo.rows.x * (float(pixel.y) + 0.5) + stereo.rows.y - 0.5 + float(stereo.grid.y);
-  const int upper = clamp(int(floor(row + 1e-3)), 0, stereo.grid.w - 1);
+  int upper = int(floor(row + 1e-3));
+#if !defined(BRACE_STEREO_BY_TEXEL)
+  upper = clamp(upper, 0, stereo.grid.w - 1);
+#endif
   const float weight = row - float(upper);
   Composed sum = compose_row(pixel.x, upper);
-  if (weight > 1e-3 && upper + 1 < stereo.grid.w) {
+  if (weight > 1e-3 && (upper + 1 < stereo.grid.w || first_ray() < 0)) {
     const Composed lower = compose_row(pixel.x, upper + 1);
     sum.colour = mix(sum.colour, lower.colour, weight);
     sum.depth = min(sum.depth, lower.depth);
     sum.hole = sum.hole || lower.hole;
   }
+  sum.colour.xyz = min(sum.colour.xyz, sum.colour.www);
   const vec2 tangent = stereo.tangents.xz + (vec2(pixel) + 0.5) * stereo.tangents.yw;
-  const uint index = uint(pixel.y) * stereo.layers.z + uint(pixel.x);
-  brace_eye_image[index] = packUnorm4x8(vec4(min(sum.colour.xyz, sum.colour.www), sum.colour.w));
-  brace_eye_depth_m[index] = sum.depth * sqrt(1.0 + dot(tangent, tangent)) * brace_eye.eye.w;
+  sum.depth *= sqrt(1.0 + dot(tangent, tangent)) * brace_eye.eye.w;
+  return sum;
+}
+
+// brace_area: origin.x: the eye's first picture; size: of what is dispatched.
+void main() {
+  if (any(greaterThanEqual(gl_GlobalInvocationID.xy, brace_area.size))) return;
+  uvec2 pixel = gl_GlobalInvocationID.xy;
+  stereo_picture = brace_area.origin.x;
+#if defined(BRACE_STEREO_BY_TEXEL)
+  const uint index = pixel.y * brace_eye.grid.x + pixel.x;
+  const uint texel = stereo_texel_of_ray[index];
+  if (texel == 0xffffffffu) return;
+  pixel = uvec2(texel & 0x3fffu, texel >> 14 & 0x3fffu);
+  stereo_picture += texel >> 28;
+#else
+  const uint index = pixel.y * stereo.layers.z + pixel.x;
+#endif
+  if (stereo.first.z != 0u) pixel.x = stereo.layers.z - 1u - pixel.x;
+  const Composed sum = compose(ivec2(pixel));
+#if defined(BRACE_STEREO_BY_TEXEL)
+  stereo_colours[index] = sum.colour;
+  stereo_depths_m[index] = sum.depth;
+#else
+  brace_eye_image[index] = packUnorm4x8(sum.colour);
+  brace_eye_depth_m[index] = sum.depth;
+#endif
 #if defined(BRACE_STEREO_HOLES_FRESH_RAYS)
   stereo_unknown[index] = sum.hole ? 1u : 0u;
 #endif

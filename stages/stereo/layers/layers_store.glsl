@@ -4,7 +4,14 @@
 
 // No uniform block: Mesa 22.3's lavapipe inlines uniforms that conditions depend on, and crashes where a skip stage's
 // block has some as well.
-layout(std430, set = 0, binding = 16) readonly buffer BraceStereoBlock { BraceStereoParams stereo; };
+layout(std430, set = 0, binding = 16) readonly buffer BraceStereoBlock { BraceStereoParams stereo_pictures[]; };
+// The picture at hand: of an eye, and with rays/mab of one of its levels.
+#if defined(BRACE_STEREO_BY_TEXEL) || defined(BRACE_STEREO_REFERENCE_MIDDLE)
+uint stereo_picture = 0u;
+#else
+const uint stereo_picture = 0u;
+#endif
+#define stereo stereo_pictures[stereo_picture]
 
 #if defined(BRACE_STEREO_FORMAT_RGBA8)
 layout(std430, set = 0, binding = 17) buffer BraceStereoLayers { uint stereo_texels[]; };
@@ -23,7 +30,7 @@ void stereo_store(uint at, vec4 texel) { stereo_texels[at] = texel; }
 vec4 stereo_load(uint at) { return stereo_texels[at]; }
 #endif
 
-// Per ray: x: first column it wrote and the one after its last (upper 16 bits); y: the frame in which it did and, if
+// Per ray of a picture: x: first column it wrote and the one after its last (upper 16 bits); y: the frame in which it did and, if
 // it was stopped, the column after the one where it would have left the volume, else 0 (upper 16 bits).
 layout(std430, set = 0, binding = 18) buffer BraceStereoRanges { uvec2 stereo_ranges[]; };
 // Texels written; texels that compositions read.
@@ -34,11 +41,17 @@ layout(std430, set = 0, binding = 19) buffer BraceStereoCounts { uint stereo_wri
 int stereo_phase(uint row) { return int(row % uint(stereo_interleave)); }
 bool stereo_is_sampled(uvec2 cell) { return (cell.x + cell.y) % uint(stereo_interleave) == 0u; }
 
+// Columns count from the right where the composed eye is to the left of the rays'.
+uvec2 stereo_in_order(uvec2 cell) {
+  return uvec2(stereo.first.z != 0u ? uint(stereo.grid.z) - 1u - cell.x : cell.x, cell.y);
+}
+uint stereo_range_of(uvec2 cell) { return stereo.first.y + cell.y * uint(stereo.grid.z) + cell.x; }
+
 // The first texel of a ray's layer. Neighbouring rays have different layers, as many rays apart as there are
 // layers share one and never meet (Buchacher, Algorithm 1, whose layers count the other way round).
 uint stereo_row_of(uvec2 cell) {
   const uint layer = cell.x / uint(stereo_interleave) % stereo.layers.x;
-  return (cell.y * stereo.layers.x + layer) * uint(stereo.columns.y);
+  return stereo.first.x + (cell.y * stereo.layers.x + layer) * uint(stereo.columns.y);
 }
 // The column of the layers where a ray's point at infinity falls; of the ray's column in the grid.
 float stereo_line_of(int column, uint row) {

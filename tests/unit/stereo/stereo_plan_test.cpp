@@ -22,8 +22,7 @@ EyeView eye_at(double x_m) {
 
 StereoPlan plan(const StereoSettings& settings, double eye_distance_m = 0.064,
                 const StereoMemory& memory = kPlenty) {
-  const StereoGeometry geometry = stereo_geometry(eye_at(0.0), eye_at(eye_distance_m));
-  return plan_stereo(settings, geometry, 270, 300, 0.5, memory);
+  return plan_stereo(settings, {stereo_pair(eye_at(0.0), eye_at(eye_distance_m), false)}, 0.5, memory);
 }
 
 template <typename Action>

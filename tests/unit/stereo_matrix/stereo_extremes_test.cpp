@@ -113,12 +113,15 @@ class StereoExtremes : public gpu::GpuTest {
 };
 
 TEST_F(StereoExtremes, EyesInOnePlaceSeeTheSameBitForBit) {
-  for (const double layers : {0.0, 8.0}) {
-    Session session = still_session("layers", 96);
-    ASSERT_TRUE(session.pipeline.at("stereo").set("layers", layers));
-    const EyePictures pictures = render(std::move(session), {}, in_one_place);
-    EXPECT_GT(most_opaque(pictures[0]), 40);
-    EXPECT_EQ(pictures[0].pixels, pictures[1].pixels);
+  for (const char* reference : {"left", "middle"}) {
+    for (const double layers : {0.0, 8.0}) {
+      Session session = still_session("layers", 96);
+      ASSERT_TRUE(session.pipeline.at("stereo").set("layers", layers) &&
+                  session.pipeline.at("stereo").set_choice("reference", reference));
+      const EyePictures pictures = render(std::move(session), {}, in_one_place);
+      EXPECT_GT(most_opaque(pictures[0]), 40);
+      EXPECT_EQ(pictures[0].pixels, pictures[1].pixels) << reference << " " << layers;
+    }
   }
 }
 
@@ -215,6 +218,55 @@ TEST_F(StereoExtremes, LinearInterpolationHalvesTheError) {
   ASSERT_TRUE(linear.pipeline.at("stereo").set_choice("interpolation", "linear"));
   const double before = dssim(render(std::move(published))[1], two[1]);
   EXPECT_LT(dssim(render(std::move(linear))[1], two[1]), 0.5 * before);
+}
+
+TEST_F(StereoExtremes, FromTheMiddleBothEyesAreComposedAndLikeThoseOfTwoPasses) {
+  // On the Vive the eyes' frusta are not alike.
+  for (const char* profile : {"htc-vive", "valve-index"}) {
+    const auto on = [&](const char* stereo, const char* reference) {
+      Session session = still_session(stereo, 96);
+      session.device.profile = profile;
+      if (reference != nullptr) {
+        EXPECT_TRUE(session.pipeline.at("stereo").set_choice("reference", reference));
+      }
+      return session;
+    };
+    Rig twice(device(), on("two_pass", nullptr));
+    const EyePictures two = twice.render(device());
+    const WorkCounts twice_work = twice.renderer.render({}, twice.eyes).work;
+    for (const char* stereo : {"layers", "novel_view"}) {
+      Rig once(device(), on(stereo, "middle"));
+      const EyePictures one = once.render(device());
+      for (std::size_t eye = 0; eye < 2; ++eye) {
+        EXPECT_LE(dssim(one[eye], two[eye]), 0.003) << profile << " " << stereo << " " << eye;
+        EXPECT_GT(dssim(one[eye], two[1 - eye]), 0.03) << "the eyes see alike: nothing is proved";
+      }
+      EXPECT_LT(static_cast<double>(once.renderer.render({}, once.eyes).work.samples),
+                0.53 * static_cast<double>(twice_work.samples))
+          << profile << " " << stereo;
+    }
+    const auto plan = [&](const char* reference) {
+      return plan_single_pass(device(), on("layers", reference), twice.headset, twice.scene->volume.info(),
+                              twice.placement);
+    };
+    // Half as far away, an eye needs half of the layers.
+    EXPECT_LE(plan("middle").layers, plan("left").layers / 2 + 1) << profile;
+  }
+}
+
+TEST_F(StereoExtremes, LinearInterpolationFromTheMiddleHalvesTheErrorOfBothEyes) {
+  const EyePictures two = render(still_session("two_pass", 160));
+  Session near = still_session("layers", 160), linear = still_session("layers", 160);
+  ASSERT_TRUE(near.pipeline.at("stereo").set_choice("reference", "middle") &&
+              linear.pipeline.at("stereo").set_choice("reference", "middle") &&
+              linear.pipeline.at("stereo").set_choice("interpolation", "linear"));
+  const EyePictures before = render(std::move(near)), after = render(std::move(linear));
+  double error_before = 0.0, error_after = 0.0;
+  for (std::size_t eye = 0; eye < 2; ++eye) {
+    error_before += dssim(before[eye], two[eye]);
+    error_after += dssim(after[eye], two[eye]);
+  }
+  EXPECT_LT(error_after, 0.6 * error_before);
 }
 
 TEST_F(StereoExtremes, InterleavedRaysTakeAQuarterOfTheMemory) {

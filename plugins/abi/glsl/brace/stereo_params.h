@@ -1,5 +1,7 @@
-/* What the kernels of stereo/layers know of the pair of eyes in one frame. One text for C++ and GLSL (std140
- * and std430 alike). Lengths are in units (the smallest voxel spacing), columns and rows in pixels.
+/* What the kernels of stereo/layers know in one frame of a picture that they compose: the second eye's, or
+ * one of a pair's. One text for C++ and GLSL (std430). Lengths are in units (the smallest voxel spacing),
+ * columns and rows in pixels; where the composed eye is to the left of the one that is cast, both count
+ * columns from the right.
  */
 #ifndef BRACE_STEREO_PARAMS_H
 #define BRACE_STEREO_PARAMS_H
@@ -25,11 +27,13 @@ struct BraceStereoParams {
   BRACE_IVEC4(grid);    /* xy: rays left of and above the first eye's picture; zw: rays across and down */
   BRACE_UVEC4(layers);  /* x: layers; y: this frame's number, 1 to 65535; zw: the second eye's picture */
   BRACE_VEC4(columns);  /* of the layers: x: per pixel of the second eye; y: across */
+  BRACE_UVEC4(first); /* x: its first texel; y: its first ray; z: 1: columns count from the right; w: pictures
+                         per eye */
 };
 
 #ifdef __cplusplus
 }
-static_assert(sizeof(brace::BraceStereoParams) == 128);
+static_assert(sizeof(brace::BraceStereoParams) == 144);
 #endif
 #undef BRACE_VEC4
 #undef BRACE_IVEC4
