@@ -63,6 +63,20 @@ MabErrorRow compare(const PanelPair& shown, const PanelPair& ideal, const Headse
   return row;
 }
 
+/// Qualities on both sides of a share of the rays, as near to it as a plan's steps come, the larger first:
+/// between them an error is as good as straight. Where one is farther off than the other map's, curves that
+/// are hollow make a map look worse than it is.
+std::vector<double> qualities_around(const MabPlan& plan, double share, double pixels) {
+  const auto all = static_cast<double>(plan.rays(plan.steps())), wanted = share * pixels;
+  double above = all + 1.0;
+  for (int step = 0; step <= plan.steps(); ++step)
+    if (const auto rays = static_cast<double>(plan.rays(step)); rays > wanted) above = std::min(above, rays);
+  std::vector<double> qualities;
+  if (above <= all) qualities.push_back(above / all);
+  qualities.push_back(std::min(wanted / all, 1.0));
+  return qualities;
+}
+
 void measure_errors(const gpu::Device& device, const MabBenchOptions& options, const Scene& scene,
                     std::vector<MabErrorRow>& rows) {
   EyeRig full(device, options.data_folder, session_of(options, scene, "full_rate", "radius", "compact"));
@@ -78,17 +92,22 @@ void measure_errors(const gpu::Device& device, const MabBenchOptions& options, c
     options.progress(fmt::format("mab: {} {} {}", scene.profile, scene.volume, map));
     EyeRig mab(device, options.data_folder, session_of(options, scene, "mab", map, "compact"));
     const std::optional<MabPlan> plan = plan_mab(mab.session, mab.headset);
-    for (const double share : shares) {
-      const double quality =
-          std::min(share * mab.pixels() / static_cast<double>(plan->rays(MabPlan::steps)), 1.0);
+    std::vector<double> qualities;
+    for (const double share : shares)
+      for (const double quality : qualities_around(*plan, share, mab.pixels()))
+        qualities.push_back(quality);
+    for (const double quality : qualities) {
+      const double ray_share = static_cast<double>(plan->rays(plan->step_for(quality))) / mab.pixels();
+      if (!rows.empty() && rows.back().map == map && rows.back().profile == scene.profile &&
+          rows.back().volume == scene.volume && rows.back().ray_share == ray_share)
+        continue;
       mab.render(quality);
       MabErrorRow row = compare(shown(mab.eyes), ideal, full.headset);
       row.profile = scene.profile;
       row.volume = scene.volume;
       row.map = map;
-      row.ray_share = static_cast<double>(plan->rays(plan->step_for(quality))) / mab.pixels();
-      if (rows.empty() || rows.back().map != map || rows.back().ray_share != row.ray_share)
-        rows.push_back(std::move(row));
+      row.ray_share = ray_share;
+      rows.push_back(std::move(row));
     }
   }
 }

@@ -40,7 +40,8 @@ struct MabErrorRow {
   double weighted_rmse = 0;  // pixels by what the eye resolves there with a gaze straight ahead: GazeWeights
 };
 
-/// The lens' map against the radial one at equal rays, DSSIM by linear interpolation between points.
+/// The lens' map against the radial one at equal rays, by linear interpolation between the nearest steps of
+/// each map's ray counts.
 struct MabMapRow {
   std::string profile, volume;
   double ratio_mean = 0, ratio_worst = 0;        // DSSIM lens / radius; below 1: the lens' is better

@@ -111,30 +111,31 @@ class Distances {
   double farthest_ = 1.0;
 };
 
-constexpr std::size_t demand_bins = 1 << 16;
 /// How much less what is farthest from the gaze point counts: enough to tell equal demands apart.
 constexpr double tilt = 0.01;
 
-/// Place of a demand on a logarithmic scale from demand_max to demand_min, 0 to 1.
-double log_place(const LevelCoordinates& map, double demand) {
-  if (!(demand > map.demand_min)) return 1.0;
-  return std::clamp(std::log(map.demand_max / demand) / std::log(map.demand_max / map.demand_min), 0.0, 1.0);
-}
-
-/// `radii`: of all pixels, in any order.
+/// Hands the radial map's coordinates out in the order of the demands.
 void match_radii(LevelCoordinates& map, const std::vector<double>& demands, std::vector<float> radii) {
-  std::vector<std::uint32_t> bins(demand_bins, 0);
-  for (const double demand : demands) {
-    const double place = log_place(map, demand) * static_cast<double>(demand_bins);
-    ++bins[std::min(static_cast<std::size_t>(place), demand_bins - 1)];
-  }
+  struct Pixel {
+    double demand;
+    std::uint32_t index;
+  };
+  std::vector<Pixel> pixels;
+  pixels.reserve(demands.size());
+  for (const double demand : demands)
+    pixels.push_back({demand, static_cast<std::uint32_t>(pixels.size())});
+  std::sort(pixels.begin(), pixels.end(), [](const Pixel& a, const Pixel& b) {
+    return a.demand != b.demand ? a.demand > b.demand : a.index < b.index;
+  });
   std::sort(radii.begin(), radii.end());
-  map.x_of_place.assign(demand_bins + 1, 0.0);
-  std::size_t above = 0;
-  for (std::size_t i = 0; i < demand_bins; ++i) {
-    above += bins[i];
-    if (above > 0) map.x_of_place[i + 1] = static_cast<double>(radii[above - 1]);
+  map.x.assign(demands.size(), 1.0f);
+  map.demand_of_rank.reserve(demands.size());
+  for (std::size_t rank = 0; rank < pixels.size(); ++rank) {
+    const Pixel& pixel = pixels[rank];
+    map.demand_of_rank.push_back(pixel.demand);
+    if (pixel.demand > map.demand_min) map.x[pixel.index] = radii[rank];
   }
+  map.x_of_rank = std::move(radii);
 }
 
 template <class Demand>
@@ -153,11 +154,7 @@ LevelCoordinates coordinates_of_demand(const LevelMapInput& input, const Demand&
     }
   LevelCoordinates result;
   result.demand_min = input.demand_min;
-  result.demand_max = std::max(*std::max_element(demands.begin(), demands.end()), 2.0 * input.demand_min);
   match_radii(result, demands, std::move(radii));
-  result.x.reserve(demands.size());
-  for (const double d : demands)
-    result.x.push_back(static_cast<float>(result.coordinate_of(d)));
   return result;
 }
 
@@ -175,10 +172,10 @@ LevelCoordinates coordinates_of_radius(const LevelMapInput& input) {
 
 double LevelCoordinates::coordinate_of(double demand) const {
   if (!(demand > demand_min)) return 1.0;
-  const double place = log_place(*this, demand) * static_cast<double>(x_of_place.size() - 1);
-  const std::size_t bin = std::min(static_cast<std::size_t>(place), x_of_place.size() - 2);
-  const double t = place - static_cast<double>(bin);
-  return std::min(x_of_place[bin] + t * (x_of_place[bin + 1] - x_of_place[bin]), 1.0);
+  const auto behind = std::partition_point(demand_of_rank.begin(), demand_of_rank.end(),
+                                           [&](double larger) { return larger > demand; });
+  const auto larger = static_cast<std::size_t>(behind - demand_of_rank.begin());
+  return larger == 0 ? 0.0 : static_cast<double>(x_of_rank[larger - 1]);
 }
 
 double lens_demand(const LevelMapInput& input, glm::dvec2 t) {

@@ -39,8 +39,9 @@ struct LevelCoordinates {
   /// farthest corner (see reach_tan), 1 beyond; else coordinate_of(demand), demand the rays per pixel and
   /// axis that are of use.
   std::vector<float> x;
-  double demand_max = 1.0, demand_min = 0.1;  // of the picture; not for `radius`
-  std::vector<double> x_of_place;  // coordinate_of(demand_max (demand_min / demand_max)^(i / (size - 1)))
+  double demand_min = 0.1;             // not for `radius`, as what follows
+  std::vector<double> demand_of_rank;  // of all pixels, falling
+  std::vector<float> x_of_rank;        // the radial map's coordinates, rising
 
   /// As many pixels have a larger demand as are nearer to the gaze point than the coordinate says, so that
   /// any map has the coordinates of the radial one, in another order; 1 from demand_min down. What has the

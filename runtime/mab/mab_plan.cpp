@@ -111,7 +111,7 @@ MabPlan::MabPlan(const MabSettings& settings, const sim::DeviceProfile& profile,
 
 void MabPlan::lay_levels() {
   eyes_.clear();
-  rays_.fill(0);
+  rays_.assign(static_cast<std::size_t>(steps()) + 1, 0);
   for (const sim::Eye eye : sim::all_eyes) {
     const sim::EyeProfile& optics = optics_[index(eye)];
     LevelMapInput input{.lens = optics.lens,
@@ -134,7 +134,7 @@ void MabPlan::lay_levels() {
     eyes_.push_back({std::move(coordinates.x), std::move(texels), anchors});
   }
   eye_rays_max_ = 0;
-  for (int step = 0; step <= steps; ++step) {
+  for (int step = 0; step <= steps(); ++step) {
     for (const sim::Eye which : sim::all_eyes) {
       const std::uint64_t live = eyes_[index(which)].texels.count(weights(which, step));
       rays_[static_cast<std::size_t>(step)] += live;
@@ -142,7 +142,7 @@ void MabPlan::lay_levels() {
     }
   }
   const double rays_max = settings_.ray_share * 2.0 * static_cast<double>(area(eye_px_.x, eye_px_.y));
-  share_limit_ = std::min(1.0, rays_max / static_cast<double>(rays(steps)));
+  share_limit_ = std::min(1.0, rays_max / static_cast<double>(rays(steps())));
 }
 
 bool MabPlan::look_at(const glm::dvec3& gaze) {
@@ -163,13 +163,13 @@ bool MabPlan::look_at(const glm::dvec3& gaze) {
 }
 
 LevelWeights MabPlan::weights(sim::Eye eye, int step) const {
-  return level_weights(moved(eyes_[index(eye)].anchors, static_cast<double>(step) / steps));
+  return level_weights(moved(eyes_[index(eye)].anchors, static_cast<double>(step) / steps()));
 }
 
 int MabPlan::step_for(double quality) const {
-  const double allowed = quality * static_cast<double>(rays(steps)) * (1.0 + 1e-12);
+  const double allowed = quality * static_cast<double>(rays(steps())) * (1.0 + 1e-12);
   int best = 0;
-  for (int step = 0; step <= steps; ++step) {
+  for (int step = 0; step <= steps(); ++step) {
     const std::uint64_t there = rays(step), found = rays(best);
     const bool fits = static_cast<double>(there) <= allowed;
     const bool found_fits = static_cast<double>(found) <= allowed;
@@ -180,7 +180,7 @@ int MabPlan::step_for(double quality) const {
 
 double MabPlan::quality_min() const {
   return static_cast<double>(*std::min_element(rays_.begin(), rays_.end())) /
-         static_cast<double>(rays(steps));
+         static_cast<double>(rays(steps()));
 }
 
 MabRays MabPlan::make_rays(sim::Eye eye, int step) const {
@@ -216,7 +216,7 @@ std::string MabPlan::summary() const {
       sizes, atlas_.width, atlas_.height, 100.0 * static_cast<double>(used) / static_cast<double>(atlas),
       rays(step_asked(1.0)), 2 * area(eye_px_.x, eye_px_.y),
       50.0 * static_cast<double>(rays(step_asked(1.0))) / static_cast<double>(area(eye_px_.x, eye_px_.y)),
-      50.0 * quality_min() * static_cast<double>(rays(steps)) /
+      50.0 * quality_min() * static_cast<double>(rays(steps())) /
           static_cast<double>(area(eye_px_.x, eye_px_.y)),
       settings_.gaze == MabGaze::fixed ? "" : "; while the gaze is straight ahead");
 }

@@ -35,8 +35,6 @@ MabSettings mab_settings(const PipelineStage& stage);
 /// The levels of rays/mab over both eyes of a headset, and how many rays each quality leaves.
 class MabPlan {
  public:
-  static constexpr int steps = 256;  // of moved(): t = step / steps
-
   struct Sizes {
     glm::ivec2 eye_px, panel_px;  // as rendered
     double resolution_scale = 1.0;
@@ -53,7 +51,10 @@ class MabPlan {
   const Atlas& atlas() const { return atlas_; }
   const std::vector<float>& coordinates(sim::Eye eye) const { return eyes_[index(eye)].coordinates; }
 
-  /// The anchors of step `steps` are those of the settings.
+  /// Of moved(): t = step / steps(). A map that has the radial one's anchors as limits takes them in the
+  /// lower half, in as many steps as that.
+  int steps() const { return settings_.map == LevelMap::radius ? 256 : 512; }
+  /// The anchors of the last step, steps(), are those of the settings.
   LevelWeights weights(sim::Eye eye, int step) const;
   /// Rays of both eyes.
   std::uint64_t rays(int step) const { return rays_[static_cast<std::size_t>(step)]; }
@@ -85,7 +86,7 @@ class MabPlan {
   std::array<glm::dvec2, 2> gaze_tan_{};  // in the frame of each eye
   Atlas atlas_;
   std::vector<EyePlan> eyes_;
-  std::array<std::uint64_t, steps + 1> rays_{};
+  std::vector<std::uint64_t> rays_;  // by step
   std::uint64_t eye_rays_max_ = 0;
   double share_limit_ = 1.0;  // quality that ray_share leaves
 };

@@ -10,8 +10,8 @@ namespace brace {
 namespace {
 
 /// resample_plane.comp has the same.
-constexpr std::uint32_t kParamsSlot = 0, kFromImageSlot = 1, kFromDepthSlot = 2, kImageSlot = 3,
-                        kDepthSlot = 4;
+constexpr std::uint32_t kPlaneParamsSlot = 0, kPlaneFromImageSlot = 1, kPlaneFromDepthSlot = 2,
+                        kPlaneImageSlot = 3, kPlaneDepthSlot = 4;
 
 gpu::ComputePipeline resample_pipeline(const gpu::Device& device, const PlaneResampler::Folders& folders) {
   gpu::KernelDescription kernel;
@@ -55,9 +55,10 @@ PlaneResampler::PlaneResampler(const gpu::Device& device, const EyeView& from, c
 }
 
 void PlaneResampler::record(gpu::CommandList& commands, const EyeTarget& from, const EyeTarget& to) const {
-  const std::array bindings = {gpu::bind(kParamsSlot, params_), gpu::bind(kFromImageSlot, from.image),
-                               gpu::bind(kFromDepthSlot, from.depth), gpu::bind(kImageSlot, to.image),
-                               gpu::bind(kDepthSlot, to.depth)};
+  const std::array bindings = {gpu::bind(kPlaneParamsSlot, params_),
+                               gpu::bind(kPlaneFromImageSlot, from.image),
+                               gpu::bind(kPlaneFromDepthSlot, from.depth),
+                               gpu::bind(kPlaneImageSlot, to.image), gpu::bind(kPlaneDepthSlot, to.depth)};
   commands.dispatch(pipeline_, bindings, {}, pipeline_.groups_for(width_px_, height_px_));
 }
 

@@ -33,7 +33,7 @@ void put_grey(const gpu::Device& device, const EyeTarget& into, const std::vecto
 
 /// The level with the largest share at every pixel.
 std::vector<std::uint8_t> level_greys(const MabPlan& plan, sim::Eye eye) {
-  const LevelWeights weights = plan.weights(eye, MabPlan::steps);
+  const LevelWeights weights = plan.weights(eye, plan.steps());
   std::array<std::uint8_t, mab_weight_entries> of_entry{};
   for (std::size_t entry = 0; entry < of_entry.size(); ++entry) {
     int largest = 0;
@@ -100,7 +100,7 @@ void LiveView::make_levels() {
   plain_.show({eyes});
   levels_ = plain_.read();
   legend_.words = "levels of rays/mab; each pixel by the one with the largest share";
-  const int levels = plan->weights(sim::Eye::left, MabPlan::steps).levels;
+  const int levels = plan->weights(sim::Eye::left, plan->steps()).levels;
   for (int level = 0; level < levels; ++level)
     legend_.swatches.emplace_back(level_colour(level), fmt::format("{}", level));
 }

@@ -29,14 +29,14 @@ MabPlan plan(const MabSettings& settings) {
 
 TEST(MabPlan, FullQualityIsWhatTheSettingsSay) {
   const MabPlan papers = plan(papers_levels());
-  EXPECT_EQ(papers.step_for(1.0), MabPlan::steps);
-  EXPECT_EQ(papers.rays(MabPlan::steps), papers.make_rays(sim::Eye::left, MabPlan::steps).live +
-                                             papers.make_rays(sim::Eye::right, MabPlan::steps).live);
+  EXPECT_EQ(papers.step_for(1.0), papers.steps());
+  EXPECT_EQ(papers.rays(papers.steps()), papers.make_rays(sim::Eye::left, papers.steps()).live +
+                                             papers.make_rays(sim::Eye::right, papers.steps()).live);
 }
 
 TEST(MabPlan, AQualityIsNeverExceededAndNearlyUsed) {
   const MabPlan papers = plan(papers_levels());
-  const auto all = static_cast<double>(papers.rays(MabPlan::steps));
+  const auto all = static_cast<double>(papers.rays(papers.steps()));
   for (double quality = 1.0; quality > papers.quality_min(); quality *= 0.97) {
     const double share = static_cast<double>(papers.rays(papers.step_for(quality))) / all;
     EXPECT_LE(share, quality);
@@ -47,12 +47,22 @@ TEST(MabPlan, AQualityIsNeverExceededAndNearlyUsed) {
   EXPECT_NEAR(papers.quality_min() * all, 2.0 * 32 * 36, 1.0) << "the coarsest level alone";
 }
 
+TEST(MabPlan, ALensThatAsksForEverythingHasTheRaysOfTheRadialMapAtEverySecondStep) {
+  MabSettings settings = papers_levels();
+  const MabPlan radius = plan(settings);
+  settings.map = LevelMap::lens;
+  const MabPlan lens = plan(settings);  // the panel asks for all
+  ASSERT_EQ(lens.steps(), 2 * radius.steps());
+  for (int step = 0; step <= radius.steps(); step += 5)
+    EXPECT_EQ(lens.rays(step), radius.rays(step)) << step;
+}
+
 TEST(MabPlan, EveryStepsRaysFit) {
   for (const bool compact : {true, false}) {
     MabSettings settings = papers_levels();
     settings.compact = compact;
     const MabPlan papers = plan(settings);
-    for (int step = 0; step <= MabPlan::steps; step += 8) {
+    for (int step = 0; step <= papers.steps(); step += 8) {
       const MabRays rays = papers.make_rays(sim::Eye::right, step);
       EXPECT_LE(rays.texel_of_ray.size(), papers.capacity()) << step;
     }

@@ -135,7 +135,7 @@ TEST(MabProperty, EveryPixelHasSharesOfOneAndARayForEachTexelWhereverTheGazeIs) 
       single_pixel_levels += level.width == 1 && level.height == 1;
     for (int i = 0; i < 3; ++i) {
       plan.look_at(looks[static_cast<std::size_t>(round * 3 + i) % looks.size()]);
-      for (const int step : {MabPlan::steps, MabPlan::steps / 2, random.below(MabPlan::steps), 0})
+      for (const int step : {plan.steps(), plan.steps() / 2, random.below(plan.steps()), 0})
         expect_whole_picture(plan, picture, settings.reach, step % 2 == 0 ? sim::Eye::left : sim::Eye::right,
                              step);
       if (HasFatalFailure()) FAIL() << "round " << round << ", gaze " << i;
@@ -200,10 +200,10 @@ TEST(MabGaze, LessThanAQuarterOfAPixelAndMapsWithoutAGazeChangeNothing) {
 
 TEST(MabGaze, LevelsKeepTheirLengthsWhereverTheGazeIs) {
   MabPlan plan(following(), canted_headset(0.0), {.eye_px = {200, 200}, .panel_px = {200, 200}});
-  const std::uint64_t ahead = plan.rays(MabPlan::steps);
+  const std::uint64_t ahead = plan.rays(plan.steps());
   plan.look_at(sim::direction_of_tangents({1.0, 1.0}));
   EXPECT_EQ(plan.coordinates(sim::Eye::left).front(), 1.0f) << "the far corner is as coarse as it gets";
-  EXPECT_LT(plan.rays(MabPlan::steps), ahead) << "a quarter of the fine disc is left";
+  EXPECT_LT(plan.rays(plan.steps()), ahead) << "a quarter of the fine disc is left";
 }
 
 }  // namespace
