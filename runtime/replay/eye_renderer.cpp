@@ -8,7 +8,6 @@
 #include "runtime/replay/cast_integrator.hpp"
 #include "runtime/replay/scene_shading.hpp"
 #include "runtime/replay/series_facts.hpp"
-#include "runtime/warp_layers/novel_view.hpp"
 
 namespace brace {
 
@@ -43,9 +42,6 @@ CastKernels session_kernels(const Session& session, const SceneOnDevice& scene, 
   parts.native_rays = rays.stage.native != nullptr;
   parts.native_cast = is_native(session, "cast");
   CastKernels kernels = compose_cast_kernels(parts, scene.volume);
-  // Segments by level and texel, where rays are those of an atlas.
-  if (emits && is_by_layers(session) && rays.stage.id() == "rays/mab")
-    kernels.cast.defines.emplace_back("BRACE_STEREO_BY_TEXEL", "1");
   if (heat != EyeRenderer::RayHeat::none) {
     BRACE_CHECK(counters);
     kernels.cast.defines.emplace_back("BRACE_RAY_HEAT", heat == EyeRenderer::RayHeat::samples

@@ -181,7 +181,10 @@ std::unique_ptr<SinglePass> make_single_pass(const SinglePass::Inputs& in,
     return std::make_unique<ByNovelView>(in, cast_kernels(true), cast_kernels(false));
   const StereoPlan plan =
       plan_single_pass(in.device, in.session, in.headset, in.scene.volume.info(), in.placement);
-  return std::make_unique<ByLayers>(in, plan, cast_kernels(!plan.layers_left_out), cast_kernels(false));
+  CastKernels kernels = cast_kernels(!plan.layers_left_out);
+  // Segments by level and texel, where rays are those of an atlas.
+  if (plan.levels > 0) kernels.cast.defines.emplace_back("BRACE_STEREO_BY_TEXEL", "1");
+  return std::make_unique<ByLayers>(in, plan, kernels, cast_kernels(false));
 }
 
 }  // namespace brace
