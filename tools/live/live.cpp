@@ -21,6 +21,7 @@
 #include "tools/live/view_panel.hpp"
 #include "tools/live/vsync_pace.hpp"
 #include "tools/live/window.hpp"
+#include "tools/live/window_faults.hpp"
 
 namespace brace {
 
@@ -62,7 +63,7 @@ class LiveRun {
         head_(head),
         eyes_(eyes),
         chain_(device, window.make_surface()),
-        recorder_(command.record),
+        recorder_(command.record, eyes.session().name),
         pace_(rate_of_hz(command.rate_hz)) {
     facts_.session = eyes.session().name;
     facts_.device = device.info().name;
@@ -72,15 +73,34 @@ class LiveRun {
   }
 
   void run() {
+    note_window_faults([&] { recorder_.write(); });
+    try {
+      show_frames();
+    } catch (...) {
+      recorder_.write();  // what was done by hand is not to be had again
+      note_window_faults({});
+      throw;
+    }
+    finish();
+    note_window_faults({});
+  }
+
+ private:
+  void show_frames() {
     for (; !command_.frames || frame_ < *command_.frames; ++frame_) {
       if (!window_.poll(overlay_on_ && overlay_.wants_mouse(), overlay_on_ && overlay_.wants_keys())) break;
       if (interrupted()) break;
+      if (const std::string fault = window_fault(); !fault.empty())
+        throw device_error("live: the window was taken away by another program ({})", fault);
       take_keys();
       reload();
       show_frame();
       set_title();
       if (window_.pressed('P')) write_pictures();
     }
+  }
+
+  void finish() {
     recorder_.write();
     if (!command_.screenshot.empty() && panels_[0].width_px > 0)
       write_png(command_.screenshot, side_by_side(panels_));
@@ -91,7 +111,6 @@ class LiveRun {
       fmt::print("  view                  {}: {}\n", name_of(eyes_.view()), words);
   }
 
- private:
   void write_pictures() const {
     const std::string name = fmt::format("live-{:06}", frame_);
     const bool other = eyes_.view() != ViewKind::picture;
@@ -152,7 +171,7 @@ class LiveRun {
   void show_frame() {
     LiveFrame frame;
     const SimTime render_time = clock_.now();
-    recorder_.add(render_time, head_.at(render_time));
+    recorder_.add(render_time, head_);
     // It will be seen about as long after its poses were taken as the last one was.
     const LiveFrame last = history_.empty() ? LiveFrame() : history_.recent().back();
     SimTime warp_time{};
@@ -353,6 +372,13 @@ Session first_session(const LiveCommand& command, const Overrides& overrides, co
   return session;
 }
 
+bool say_validation_faults(const gpu::Device& device) {
+  const std::vector<std::string>& messages = device.validation_messages();
+  if (!messages.empty())
+    fmt::print(stderr, "brace: the validation layers found a fault: {}\n", messages.front());
+  return !messages.empty();
+}
+
 }  // namespace
 
 int live_command(const LiveCommand& command) {
@@ -382,12 +408,14 @@ int live_command(const LiveCommand& command) {
         return LiveEyes::Read{read_session(command.session, overrides, registry), registry.stages()};
       },
       first_pose);
-  {
+  try {
     LiveRun run(command, device, window, overlay, head, eyes, overrides);
     run.run();
+  } catch (const Error&) {
+    say_validation_faults(device);
+    throw;
   }
-  if (!device.validation_messages().empty())
-    throw device_error("the validation layers found a fault: {}", device.validation_messages().front());
+  if (say_validation_faults(device)) return static_cast<int>(ExitCode::device_or_plugin_failed);
   return static_cast<int>(ExitCode::done);
 }
 
