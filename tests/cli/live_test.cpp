@@ -158,6 +158,12 @@ TEST_F(Live, RefusesWhatItCannotShow) {
   const Outcome compare = place_.brace({"live", "s.toml", "--set", "trace.neck.motion=still"}, display_);
   EXPECT_EQ(compare.exit_code, 2);
   EXPECT_THAT(compare.out + compare.err, HasSubstr("[compare]"));
+  for (const char* option : {"--record", "--screenshot", "--screenshot-window", "--widgets"}) {
+    const Outcome outcome = place_.brace({"live", "s.toml", option, "nowhere/file"});
+    EXPECT_EQ(outcome.exit_code, 2);
+    EXPECT_THAT(outcome.err,
+                HasSubstr(std::string(option) + " nowhere/file: cannot be written there; accepted: "));
+  }
   EXPECT_EQ(place_.brace({"live", "no.toml"}, display_).exit_code, 2);
   EXPECT_EQ(place_.brace({"live", "s.toml", "--rate", "0"}, display_).exit_code, 2);
 }

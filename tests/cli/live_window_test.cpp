@@ -60,6 +60,21 @@ TEST_F(Live, OpensAWindowOfTheSizeAskedFor) {
   EXPECT_EQ(place_.brace({"live", "s.toml", "--window", "0", "400"}, display_).exit_code, 2);
 }
 
+TEST_F(Live, ChoosesAScaleByWhatEyesAndWindowTakeAndSaysSo) {
+  write_session("still");
+  const auto said = [&](const std::string& rate) {
+    const Outcome outcome = place_.brace({"live", "s.toml", "--frames", "2", "--rate", rate}, display_);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    EXPECT_THAT(outcome.err, HasSubstr(" ms, window "));
+    return outcome.err;
+  };
+  const std::string slow = said("1"), fast = said("1000");
+  EXPECT_THAT(slow, HasSubstr("resolution_scale 0.060 for 1 Hz")) << "the session's";
+  EXPECT_THAT(slow, Not(HasSubstr("hardly")));
+  EXPECT_THAT(fast, HasSubstr("resolution_scale 0.030 for 1000 Hz"));
+  EXPECT_THAT(fast, HasSubstr("1000 Hz will hardly be held here; a lower --rate or a smaller --window will"));
+}
+
 TEST_F(Live, RefusesViewsThatThereAreNot) {
   write_session("still");
   const auto refused = [&](const std::string& view) {
