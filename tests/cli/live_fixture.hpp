@@ -41,15 +41,30 @@ inline std::string live_session_on(const std::string& trace) {
   return text.replace(at, end - at, "file = \"" + trace + "\"");
 }
 
-/// For scripts that drive the window: `shown` waits for it, `click` a widget of the overlay by its name,
-/// `said` waits for words in live.log.
+/// For scripts that drive the window: `shown` waits for it; `click` a widget of the overlay by its name,
+/// again while that has not brought forth the one named second, as a busy machine draws the overlay late;
+/// `fold` a part of the overlay, above the widget named second; `said` waits for words in live.log.
 inline const std::string window_functions = R"sh(
 shown() { for i in $(seq 600); do xdotool search --name ' fps' >/dev/null 2>&1 && break; sleep 0.05; done; }
 at() { awk -v n="$1" '$5 == n { print int($1 + $3 / 2), int($2 + $4 / 2) }' widgets.txt 2>/dev/null; }
-click() {
-  for i in $(seq 200); do [ -n "$(at "$1")" ] && break; sleep 0.05; done
-  [ -n "$(at "$1")" ] || { echo "no widget $1" >>live.log; return; }
+there() { for i in $(seq $2); do [ -n "$(at "$1")" ] && return; sleep 0.05; done; false; }
+press() {
   xdotool mousemove $(at "$1"); sleep 0.2; xdotool mousedown 1; sleep 0.15; xdotool mouseup 1; sleep 0.15
+}
+fold() {
+  there "$2" 200; was=$(at "$2")
+  for try in 1 2 3 4 5; do
+    press "$1"; for i in $(seq 60); do [ "$(at "$2")" != "$was" ] && return; sleep 0.05; done
+  done
+}
+click() {
+  for try in 1 2 3 4 5; do
+    there "$1" 200 || { echo "no widget $1" >>live.log; return; }
+    press "$1"
+    [ -z "$2" ] && return
+    there "$2" 60 && return
+  done
+  echo "no widget $2" >>live.log
 }
 said() { for i in $(seq 300); do grep -q -- "$1" live.log && return; sleep 0.1; done; echo "never said: $1" >>live.log; }
 )sh";

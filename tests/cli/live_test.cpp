@@ -140,10 +140,10 @@ wait $live
 TEST_F(Live, SwitchesStagesByMouseAndSaysWhatDoesNotGoTogether) {
   write_session("still");
   const std::string log = drive("--screenshot eyes.png", R"sh(
-click Figures; click Stages
-click pipeline.warp; click pipeline.warp=volumetric; said 'pipeline.warp = volumetric in'
-click pipeline.stereo; click pipeline.stereo=novel_view; said 'is refused'
-click pipeline.rays; click pipeline.rays=mab; said 'pipeline.rays = mab in'
+fold Figures Stages; click Stages pipeline.warp
+click pipeline.warp pipeline.warp=volumetric; click pipeline.warp=volumetric; said 'pipeline.warp = volumetric in'
+click pipeline.stereo pipeline.stereo=novel_view; click pipeline.stereo=novel_view; said 'is refused'
+click pipeline.rays pipeline.rays=mab; click pipeline.rays=mab; said 'pipeline.rays = mab in'
 )sh");
   EXPECT_THAT(log, HasSubstr("live: pipeline.warp = volumetric in "));
   EXPECT_THAT(log,

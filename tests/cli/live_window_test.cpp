@@ -37,7 +37,7 @@ xdotool key 2; said 'view difference in'; xdotool key p
 for i in $(seq 100); do ls live-*-difference.png 2>/dev/null && break; sleep 0.1; done
 xdotool key 5; said 'skips nothing'
 xdotool key 4; said 'view levels in'
-click view; click view=samples; said 'view samples in'; xdotool key p
+click view view=samples; click view=samples; said 'view samples in'; xdotool key p
 for i in $(seq 100); do ls live-*-samples.png 2>/dev/null && break; sleep 0.1; done
 mv live-*-difference.png difference.png; mv live-*-samples.png samples.png
 )sh");
@@ -93,7 +93,7 @@ TEST_F(Live, RefusesViewsThatThereAreNot) {
 TEST_F(Live, EditsTheTransferFunctionAndSavesWhatItShows) {
   write_session("still", "tf1");
   const std::string log = drive("--screenshot edited.png", R"sh(
-click Figures; click Transfer
+fold Figures Stages; click Transfer transfer.plot
 for i in $(seq 200); do [ -n "$(at transfer.plot)" ] && break; sleep 0.05; done
 for i in 1 2 3 4 5 6; do
   xdotool mousemove $(at transfer.plot); sleep 0.3; xdotool click --repeat 2 --delay 120 1; sleep 0.5
