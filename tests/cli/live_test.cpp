@@ -2,6 +2,7 @@
 #include <cmath>
 #include <filesystem>
 
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -13,8 +14,10 @@
 namespace brace {
 namespace {
 
+using test::differing_pixels;
 using test::live_session;
 using test::Outcome;
+using test::replayed_eyes;
 using test::RunOptions;
 using test::Workplace;
 using Live = test::Live;
@@ -39,20 +42,7 @@ TEST_F(Live, ShowsTheEyesThatTheReplayShows) {
       place_.brace({"live", "s.toml", "--keep-scale", "--frames", "3", "--screenshot", "eyes.png"}, display_);
   ASSERT_EQ(live.exit_code, 0) << live.err << live.out;
   const ImageRgba8 both = read_png(place_ / "eyes.png");
-  int left = 0;
-  for (const char* eye : {"left", "right"}) {
-    const ImageRgba8 replayed = read_png(place_ / (std::string("run/images/000003_") + eye + ".png"));
-    ASSERT_EQ(both.height_px, replayed.height_px);
-    int differing = 0;
-    for (int y = 0; y < replayed.height_px; ++y)
-      for (int x = 0; x < replayed.width_px; ++x) {
-        const Rgba8 a = replayed.at(x, y), b = both.at(left + x, y);
-        differing += std::abs(a.r - b.r) > 1 || std::abs(a.g - b.g) > 1 || std::abs(a.b - b.b) > 1;
-      }
-    EXPECT_EQ(differing, 0) << eye;
-    left += replayed.width_px;
-  }
-  EXPECT_EQ(left, both.width_px);
+  EXPECT_EQ(differing_pixels(both, replayed_eyes(place_, "run", 3)), 0);
 }
 
 /// Pixels of the overlay's strip in the colour of a fault's words.
@@ -89,24 +79,6 @@ xdotool mousemove 300 300
   EXPECT_EQ(read_png(place_ / "eyes-with.png").pixels, read_png(place_ / "eyes-without.png").pixels);
 }
 
-TEST_F(Live, RecordsATraceThatReplaysToTheSamePoses) {
-  write_session("rotation");
-  const Outcome live =
-      place_.brace({"live", "s.toml", "--rate", "20", "--frames", "25", "--record", "head.trace"}, display_);
-  ASSERT_EQ(live.exit_code, 0) << live.err;
-  EXPECT_THAT(live.err, HasSubstr("25 poses in head.trace"));
-  const sim::PoseTrace recorded = sim::read_trace(place_ / "head.trace").trace;
-  ASSERT_EQ(recorded.poses().size(), 25U);
-  EXPECT_EQ(recorded.begin_time(), SimTime());
-  place_.write("again.toml", [&] {
-    std::string text = live_session;
-    const std::size_t at = text.find("neck = "), end = text.find('\n', at);
-    return text.replace(at, end - at, "file = \"head.trace\"");
-  }());
-  const Outcome again = place_.brace({"run", "again.toml", "--out", "again"});
-  EXPECT_EQ(again.exit_code, 0) << again.err;
-}
-
 TEST_F(Live, FollowsMouseAndKeysReloadsStagesAndSaysWhatDoesNotCompile) {
   write_session("still");
   ASSERT_EQ(place_.brace({"new-stage", "cast", "mine", "--out", "mine"}).exit_code, 0);
@@ -120,7 +92,7 @@ xdotool mousemove 300 300
 xdotool key r; sleep 0.3
 xdotool mousedown 1
 for i in 1 2 3 4 5 6; do xdotool mousemove_relative 12 0; sleep 0.1; done
-xdotool mouseup 1; sleep 0.2
+xdotool mouseup 1; xdotool keydown w; sleep 0.3; xdotool keyup w; sleep 0.2
 xdotool key r; sleep 0.3
 cp mine/mine.glsl good
 echo 'no such thing' >>mine/mine.glsl
@@ -139,7 +111,6 @@ wait $live
   const std::string log = place_.read("live.log");
   EXPECT_THAT(log, HasSubstr("mine/mine.glsl:"));
   EXPECT_THAT(log, HasSubstr("live: reloaded"));
-  EXPECT_TRUE(std::filesystem::exists(place_ / "eyes.png"));
   const ImageRgba8 window = read_png(place_ / "broken.png");
   EXPECT_GT(fault_pixels(window), 200) << "the compiler's words";
   // Dragged to the right by 72 pixels: about 0.29 rad.
@@ -152,15 +123,27 @@ wait $live
       yaw(trace.poses().back().world_from_head) - yaw(trace.poses().front().world_from_head);
   EXPECT_GT(turned, 0.15);
   EXPECT_LT(turned, 0.35);
+  EXPECT_GT(glm::distance(trace.poses().back().world_from_head.position,
+                          trace.poses().front().world_from_head.position),
+            0.05)
+      << "by keys";
+  // Where the hand has left the head, the replay's eyes see what the window's did.
+  const int last = static_cast<int>(to_s(trace.end_time() - trace.begin_time()) * 90.0) - 3;
+  const Outcome replay = test::run_session(place_, test::live_session_on("live.trace"), "replay",
+                                           {"pipeline.cast=mine", fmt::format("run.frames={}", last + 1),
+                                            fmt::format("output.images=list:{}", last)},
+                                           {"--plugin-path", "mine"});
+  ASSERT_EQ(replay.exit_code, 0) << replay.err;
+  EXPECT_EQ(differing_pixels(read_png(place_ / "eyes.png"), replayed_eyes(place_, "replay", last)), 0);
 }
 
 TEST_F(Live, SwitchesStagesByMouseAndSaysWhatDoesNotGoTogether) {
   write_session("still");
   const std::string log = drive("--screenshot eyes.png", R"sh(
-click Figures; click Stages
-click pipeline.warp; click pipeline.warp=volumetric; said 'pipeline.warp = volumetric in'
-click pipeline.stereo; click pipeline.stereo=novel_view; said 'is refused'
-click pipeline.rays; click pipeline.rays=mab; said 'pipeline.rays = mab in'
+fold Figures Stages; click Stages pipeline.warp
+click pipeline.warp pipeline.warp=volumetric; click pipeline.warp=volumetric; said 'pipeline.warp = volumetric in'
+click pipeline.stereo pipeline.stereo=novel_view; click pipeline.stereo=novel_view; said 'is refused'
+click pipeline.rays pipeline.rays=mab; click pipeline.rays=mab; said 'pipeline.rays = mab in'
 )sh");
   EXPECT_THAT(log, HasSubstr("live: pipeline.warp = volumetric in "));
   EXPECT_THAT(log,
@@ -175,6 +158,12 @@ TEST_F(Live, RefusesWhatItCannotShow) {
   const Outcome compare = place_.brace({"live", "s.toml", "--set", "trace.neck.motion=still"}, display_);
   EXPECT_EQ(compare.exit_code, 2);
   EXPECT_THAT(compare.out + compare.err, HasSubstr("[compare]"));
+  for (const char* option : {"--record", "--screenshot", "--screenshot-window", "--widgets"}) {
+    const Outcome outcome = place_.brace({"live", "s.toml", option, "nowhere/file"});
+    EXPECT_EQ(outcome.exit_code, 2);
+    EXPECT_THAT(outcome.err,
+                HasSubstr(std::string(option) + " nowhere/file: cannot be written there; accepted: "));
+  }
   EXPECT_EQ(place_.brace({"live", "no.toml"}, display_).exit_code, 2);
   EXPECT_EQ(place_.brace({"live", "s.toml", "--rate", "0"}, display_).exit_code, 2);
 }

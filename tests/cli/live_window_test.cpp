@@ -37,7 +37,7 @@ xdotool key 2; said 'view difference in'; xdotool key p
 for i in $(seq 100); do ls live-*-difference.png 2>/dev/null && break; sleep 0.1; done
 xdotool key 5; said 'skips nothing'
 xdotool key 4; said 'view levels in'
-click view; click view=samples; said 'view samples in'; xdotool key p
+click view view=samples; click view=samples; said 'view samples in'; xdotool key p
 for i in $(seq 100); do ls live-*-samples.png 2>/dev/null && break; sleep 0.1; done
 mv live-*-difference.png difference.png; mv live-*-samples.png samples.png
 )sh");
@@ -60,6 +60,21 @@ TEST_F(Live, OpensAWindowOfTheSizeAskedFor) {
   EXPECT_EQ(place_.brace({"live", "s.toml", "--window", "0", "400"}, display_).exit_code, 2);
 }
 
+TEST_F(Live, ChoosesAScaleByWhatEyesAndWindowTakeAndSaysSo) {
+  write_session("still");
+  const auto said = [&](const std::string& rate) {
+    const Outcome outcome = place_.brace({"live", "s.toml", "--frames", "2", "--rate", rate}, display_);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    EXPECT_THAT(outcome.err, HasSubstr(" ms, window "));
+    return outcome.err;
+  };
+  const std::string slow = said("1"), fast = said("1000");
+  EXPECT_THAT(slow, HasSubstr("resolution_scale 0.060 for 1 Hz")) << "the session's";
+  EXPECT_THAT(slow, Not(HasSubstr("hardly")));
+  EXPECT_THAT(fast, HasSubstr("resolution_scale 0.030 for 1000 Hz"));
+  EXPECT_THAT(fast, HasSubstr("1000 Hz will hardly be held here; a lower --rate or a smaller --window will"));
+}
+
 TEST_F(Live, RefusesViewsThatThereAreNot) {
   write_session("still");
   const auto refused = [&](const std::string& view) {
@@ -78,7 +93,7 @@ TEST_F(Live, RefusesViewsThatThereAreNot) {
 TEST_F(Live, EditsTheTransferFunctionAndSavesWhatItShows) {
   write_session("still", "tf1");
   const std::string log = drive("--screenshot edited.png", R"sh(
-click Figures; click Transfer
+fold Figures Stages; click Transfer transfer.plot
 for i in $(seq 200); do [ -n "$(at transfer.plot)" ] && break; sleep 0.05; done
 for i in 1 2 3 4 5 6; do
   xdotool mousemove $(at transfer.plot); sleep 0.3; xdotool click --repeat 2 --delay 120 1; sleep 0.5

@@ -13,3 +13,6 @@ brace_test(display_test LABEL gpu LIBRARIES brace::display brace::host SOURCES
   gpu/scan_out_warp_test.cpp)
 target_include_directories(display_test PRIVATE ${CMAKE_CURRENT_SOURCE_DIR})
 target_compile_definitions(display_test PRIVATE BRACE_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
+
+brace_test(swap_chain_test LABEL gpu LIBRARIES brace::gpu glfw SOURCES gpu/swap_chain_test.cpp)
+target_include_directories(swap_chain_test PRIVATE ${CMAKE_CURRENT_SOURCE_DIR})

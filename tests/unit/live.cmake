@@ -3,6 +3,7 @@ brace_test(live_test LABEL unit LIBRARIES brace::live brace_imgui SOURCES
   ${CMAKE_CURRENT_LIST_DIR}/live/head_control_test.cpp
   ${CMAKE_CURRENT_LIST_DIR}/live/head_readings_test.cpp
   ${CMAKE_CURRENT_LIST_DIR}/live/overlay_test.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/live/scale_choice_test.cpp
   ${CMAKE_CURRENT_LIST_DIR}/live/stage_panel_test.cpp
   ${CMAKE_CURRENT_LIST_DIR}/live/transfer_panel_test.cpp
   ${CMAKE_CURRENT_LIST_DIR}/live/view_colours_test.cpp

@@ -52,27 +52,43 @@ bool is_rectangle(const std::array<const ImDrawVert*, 6>& v) {
          a.col == d.col;
 }
 
+/// Pixels left .. right - 1 of the rows top .. bottom - 1.
+struct Span {
+  int left, right, top, bottom;
+};
+
+void paint_plain(const Span& span, const Colour& colour, std::uint32_t alpha, ImageRgba8& onto) {
+  if (alpha == 0u || span.left >= span.right) return;
+  const Rgba8 opaque{static_cast<std::uint8_t>(colour.r), static_cast<std::uint8_t>(colour.g),
+                     static_cast<std::uint8_t>(colour.b), 255};
+  for (int y = span.top; y < span.bottom; ++y) {
+    Rgba8* const row = &onto.at(span.left, y);
+    if (alpha == 255u) {
+      std::fill_n(row, span.right - span.left, opaque);
+    } else {
+      for (int x = 0; x < span.right - span.left; ++x)
+        blend(row[x], colour, alpha);
+    }
+  }
+}
+
 void paint_rectangle(const ImDrawVert& from, const ImDrawVert& to, const CoverageTexture& texture,
                      const Clip& clip, ImageRgba8& onto) {
-  const int left = std::max(first_pixel(from.pos.x), clip.left);
-  const int right = std::min(first_pixel(to.pos.x), clip.right);
-  const int top = std::max(first_pixel(from.pos.y), clip.top);
-  const int bottom = std::min(first_pixel(to.pos.y), clip.bottom);
+  const Span span{std::max(first_pixel(from.pos.x), clip.left), std::min(first_pixel(to.pos.x), clip.right),
+                  std::max(first_pixel(from.pos.y), clip.top), std::min(first_pixel(to.pos.y), clip.bottom)};
   const Colour colour = colour_of(from.col);
-  const bool plain = from.uv.x == to.uv.x && from.uv.y == to.uv.y;
-  const std::uint32_t whole = plain ? colour.a * coverage_at(texture, from.uv.x, from.uv.y) / 255u : 0u;
+  if (from.uv.x == to.uv.x && from.uv.y == to.uv.y)
+    return paint_plain(span, colour, colour.a * coverage_at(texture, from.uv.x, from.uv.y) / 255u, onto);
   const float u_per_px = (to.uv.x - from.uv.x) / (to.pos.x - from.pos.x);
   const float v_per_px = (to.uv.y - from.uv.y) / (to.pos.y - from.pos.y);
-  for (int y = top; y < bottom; ++y)
-    for (int x = left; x < right; ++x) {
-      const std::uint32_t alpha =
-          plain ? whole
-                : colour.a *
-                      coverage_at(texture, from.uv.x + (static_cast<float>(x) + 0.5f - from.pos.x) * u_per_px,
-                                  from.uv.y + (static_cast<float>(y) + 0.5f - from.pos.y) * v_per_px) /
-                      255u;
+  for (int y = span.top; y < span.bottom; ++y) {
+    const float v = from.uv.y + (static_cast<float>(y) + 0.5f - from.pos.y) * v_per_px;
+    for (int x = span.left; x < span.right; ++x) {
+      const float u = from.uv.x + (static_cast<float>(x) + 0.5f - from.pos.x) * u_per_px;
+      const std::uint32_t alpha = colour.a * coverage_at(texture, u, v) / 255u;
       if (alpha != 0u) blend(onto.at(x, y), colour, alpha);
     }
+  }
 }
 
 /// Twice the area of a, b, p: above 0 where p lies to the right of the edge from a to b, y downwards.

@@ -39,6 +39,18 @@ void HeadRecording::add(SimTime time, const Pose& world_from_head) {
   poses_.push_back({time, pose});
 }
 
+void HeadRecording::go_on_to(SimTime time, const std::function<Pose(SimTime)>& world_from_head_at) {
+  if (!poses_.empty() && time > poses_.back().time) {
+    const SimTime from = poses_.back().time;
+    const std::int64_t steps = (time - from + spacing_max - SimDuration(1)) / spacing_max;
+    for (std::int64_t step = 1; step < steps; ++step) {
+      const SimTime between = from + (time - from) * step / steps;
+      add(between, world_from_head_at(between));
+    }
+  }
+  add(time, world_from_head_at(time));
+}
+
 sim::PoseTrace HeadRecording::trace() const {
   std::vector<sim::TimedPose> poses = poses_;
   for (sim::TimedPose& pose : poses)

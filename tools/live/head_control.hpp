@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <vector>
 
 #include "hmd_sim/pose_trace.hpp"
@@ -33,10 +34,16 @@ class HeadControl {
 /// Poses with their times, to become a trace.
 class HeadRecording {
  public:
+  /// As trackers sample. Whatever the pictures' rate, a trace has no gaps and what lies between them.
+  static constexpr SimDuration spacing_max = std::chrono::milliseconds(4);
+
   /// Times must rise; a pose at the time of the last one is left out.
   void add(SimTime time, const Pose& world_from_head);
+  /// Adds the pose at `time` and those before it, from the last one added on, in equal steps.
+  void go_on_to(SimTime time, const std::function<Pose(SimTime)>& world_from_head_at);
   bool can_be_a_trace() const { return poses_.size() >= 2; }
   std::size_t size() const { return poses_.size(); }
+  SimTime begin() const { return poses_.empty() ? SimTime() : poses_.front().time; }
   /// Begins at time 0.
   sim::PoseTrace trace() const;
 

@@ -1,8 +1,10 @@
 // brace live: the simulated headset in a window.
 #include <algorithm>
+#include <filesystem>
 #include <fstream>
 
 #include <fmt/core.h>
+#include <unistd.h>
 
 #include "base/error.hpp"
 #include "runtime/mab/mab_plan.hpp"
@@ -21,6 +23,7 @@
 #include "tools/live/view_panel.hpp"
 #include "tools/live/vsync_pace.hpp"
 #include "tools/live/window.hpp"
+#include "tools/live/window_faults.hpp"
 
 namespace brace {
 
@@ -62,7 +65,7 @@ class LiveRun {
         head_(head),
         eyes_(eyes),
         chain_(device, window.make_surface()),
-        recorder_(command.record),
+        recorder_(command.record, eyes.session().name),
         pace_(rate_of_hz(command.rate_hz)) {
     facts_.session = eyes.session().name;
     facts_.device = device.info().name;
@@ -72,15 +75,34 @@ class LiveRun {
   }
 
   void run() {
+    note_window_faults([&] { recorder_.write(); });
+    try {
+      show_frames();
+    } catch (...) {
+      recorder_.write();  // what was done by hand is not to be had again
+      note_window_faults({});
+      throw;
+    }
+    finish();
+    note_window_faults({});
+  }
+
+ private:
+  void show_frames() {
     for (; !command_.frames || frame_ < *command_.frames; ++frame_) {
       if (!window_.poll(overlay_on_ && overlay_.wants_mouse(), overlay_on_ && overlay_.wants_keys())) break;
       if (interrupted()) break;
+      if (const std::string fault = window_fault(); !fault.empty())
+        throw device_error("live: the window was taken away by another program ({})", fault);
       take_keys();
       reload();
       show_frame();
       set_title();
       if (window_.pressed('P')) write_pictures();
     }
+  }
+
+  void finish() {
     recorder_.write();
     if (!command_.screenshot.empty() && panels_[0].width_px > 0)
       write_png(command_.screenshot, side_by_side(panels_));
@@ -91,8 +113,15 @@ class LiveRun {
       fmt::print("  view                  {}: {}\n", name_of(eyes_.view()), words);
   }
 
- private:
-  void write_pictures() const {
+  void write_pictures() {
+    try {
+      write_pictures_of_frame();
+    } catch (const Error& error) {
+      tell(error.what(), "", clock_.now());  // as a full disk: the head may be being recorded
+    }
+  }
+
+  void write_pictures_of_frame() const {
     const std::string name = fmt::format("live-{:06}", frame_);
     const bool other = eyes_.view() != ViewKind::picture;
     write_png(name + (other ? fmt::format("-{}.png", name_of(eyes_.view())) : ".png"), side_by_side(panels_));
@@ -152,7 +181,7 @@ class LiveRun {
   void show_frame() {
     LiveFrame frame;
     const SimTime render_time = clock_.now();
-    recorder_.add(render_time, head_.at(render_time));
+    recorder_.add(render_time, head_);
     // It will be seen about as long after its poses were taken as the last one was.
     const LiveFrame last = history_.empty() ? LiveFrame() : history_.recent().back();
     SimTime warp_time{};
@@ -209,7 +238,8 @@ class LiveRun {
     const WindowLayout layout = lay_out(size.width_px, size.height_px, overlay_on_);
     draw_fitted(side_by_side(panels_), layout.eyes, picture_);
     // Beside the eyes it stays as it is drawn: often enough to read is enough.
-    overlay_due_ = overlay_due_ || overlay_.wants_mouse() || clock_.now() - overlaid_ >= from_s(1.0 / 30.0);
+    const bool touched = overlay_.wants_mouse() && window_.mouse_in_use();
+    overlay_due_ = overlay_due_ || touched || clock_.now() - overlaid_ >= from_s(1.0 / 30.0);
     if (overlay_on_ && overlay_due_) draw_overlay(layout);
     return chain_.load(picture_);
   }
@@ -353,10 +383,35 @@ Session first_session(const LiveCommand& command, const Overrides& overrides, co
   return session;
 }
 
+/// What is written at the end must not fail there.
+void check_folders(const LiveCommand& command) {
+  const std::pair<const char*, const std::string&> files[] = {
+      {"--record", command.record},
+      {"--screenshot", command.screenshot},
+      {"--screenshot-window", command.window_screenshot},
+      {"--widgets", command.widgets}};
+  for (const auto& [option, file] : files) {
+    if (file.empty()) continue;
+    const std::filesystem::path folder = std::filesystem::absolute(file).parent_path();
+    if (::access(folder.c_str(), W_OK | X_OK) != 0 || std::filesystem::is_directory(file))
+      throw input_error(
+          "{} {}: cannot be written there; accepted: a file in a folder that exists and can be written",
+          option, file);
+  }
+}
+
+bool say_validation_faults(const gpu::Device& device) {
+  const std::vector<std::string>& messages = device.validation_messages();
+  if (!messages.empty())
+    fmt::print(stderr, "brace: the validation layers found a fault: {}\n", messages.front());
+  return !messages.empty();
+}
+
 }  // namespace
 
 int live_command(const LiveCommand& command) {
   note_interrupts();
+  check_folders(command);
   const Stages first_stages = make_stages(command.plugin_path);
   warn_of_broken(first_stages.plugins);
   Overrides overrides = parse_settings(command.set);
@@ -370,10 +425,17 @@ int live_command(const LiveCommand& command) {
   LiveHead head(session, options.data_folder);
   const Pose first_pose = head.at(SimTime());
   if (!command.keep_scale) {
-    const double scale = scale_for_rate(device, options, command, first_stages.registry, head);
-    fmt::print(stderr, "live: resolution_scale {:.3f} for {:g} Hz on {} (--keep-scale: the session's {:g})\n",
-               scale, command.rate_hz, device.info().name, session.device.resolution_scale);
-    overrides.emplace_back("device.resolution_scale", fmt::format("{}", scale));
+    const LiveScale found = scale_for_rate(device, options, command, first_stages.registry, head, window);
+    fmt::print(stderr,
+               "live: resolution_scale {:.3f} for {:g} Hz on {}: eyes {:.1f} ms, window {:.1f} ms of {:.1f} "
+               "(--keep-scale: the session's {:g})\n",
+               found.scale, command.rate_hz, device.info().name, found.eyes_ms, found.window_ms,
+               1e3 / command.rate_hz, session.device.resolution_scale);
+    if (!found.holds)
+      fmt::print(stderr,
+                 "live: {:g} Hz will hardly be held here; a lower --rate or a smaller --window will\n",
+                 command.rate_hz);
+    overrides.emplace_back("device.resolution_scale", fmt::format("{}", found.scale));
   }
   LiveEyes eyes(
       device, options,
@@ -382,12 +444,14 @@ int live_command(const LiveCommand& command) {
         return LiveEyes::Read{read_session(command.session, overrides, registry), registry.stages()};
       },
       first_pose);
-  {
+  try {
     LiveRun run(command, device, window, overlay, head, eyes, overrides);
     run.run();
+  } catch (const Error&) {
+    say_validation_faults(device);
+    throw;
   }
-  if (!device.validation_messages().empty())
-    throw device_error("the validation layers found a fault: {}", device.validation_messages().front());
+  if (say_validation_faults(device)) return static_cast<int>(ExitCode::device_or_plugin_failed);
   return static_cast<int>(ExitCode::done);
 }
 

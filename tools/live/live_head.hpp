@@ -13,6 +13,7 @@ class LiveHead {
  public:
   LiveHead(const Session& session, const std::filesystem::path& data_folder);
 
+  /// By hand, no later than it was last steered, it went evenly from where it was the time before.
   Pose at(SimTime time) const;
   /// Any motion by hand takes the head over; 'T' gives it back to the trace.
   void steer(const LiveWindow& window, SimTime time, double seconds);
@@ -23,21 +24,24 @@ class LiveHead {
   SimTime start_;
   HeadControl control_;
   bool by_hand_ = false;
+  sim::TimedPose before_{};  // where it was when steer() was called before
+  SimTime steered_{};
 };
 
 /// Records while asked to, and writes a trace when that ends.
 class Recorder {
  public:
-  explicit Recorder(std::filesystem::path file);
+  Recorder(std::filesystem::path file, std::string session);
   void toggle();
-  void add(SimTime time, const Pose& pose) {
-    if (on_) poses_.add(time, pose);
+  void add(SimTime time, const LiveHead& head) {
+    if (on_) poses_.go_on_to(time, [&](SimTime at) { return head.at(at); });
   }
   bool on() const { return on_; }
   void write();
 
  private:
   std::filesystem::path file_;
+  std::string session_;
   bool on_;
   HeadRecording poses_;
 };

@@ -3,12 +3,13 @@
 #include "runtime/gpu/device.hpp"
 #include "tools/command.hpp"
 #include "tools/live/live_head.hpp"
+#include "tools/live/scale_choice.hpp"
+#include "tools/live/window.hpp"
 
 namespace brace {
 
-/// A resolution_scale, at most the session's, at which this device holds the rate. Time falls slower than the
-/// pixels where a few of them take most of it, so it is measured anew at each step down.
-double scale_for_rate(const gpu::Device& device, const ReplayOptions& options, const LiveCommand& command,
-                      const StageRegistry& stages, const LiveHead& head);
+/// choose_scale() for a session on this device in this window, both measured.
+LiveScale scale_for_rate(const gpu::Device& device, const ReplayOptions& options, const LiveCommand& command,
+                         const StageRegistry& stages, const LiveHead& head, const LiveWindow& window);
 
 }  // namespace brace

@@ -41,6 +41,8 @@ LiveWindow::LiveWindow(int width_px, int height_px, const std::string& title) {
   }
   glfwSetWindowUserPointer(window_, this);
   glfwSetKeyCallback(window_, on_key);
+  glfwSetCursorPosCallback(window_, on_cursor);
+  glfwGetCursorPos(window_, &cursor_x_, &cursor_y_);
 }
 
 LiveWindow::~LiveWindow() {
@@ -76,6 +78,12 @@ void LiveWindow::on_key(GLFWwindow* window, int key, int, int action, int) {
     static_cast<LiveWindow*>(glfwGetWindowUserPointer(window))->pressed_.push_back(key);
 }
 
+void LiveWindow::on_cursor(GLFWwindow* window, double x, double y) {
+  auto& self = *static_cast<LiveWindow*>(glfwGetWindowUserPointer(window));
+  self.cursor_x_ = x;
+  self.cursor_y_ = y;
+}
+
 double LiveWindow::held(int key) const {
   return glfwGetKey(window_, key) == GLFW_PRESS ? 1.0 : 0.0;
 }
@@ -93,9 +101,11 @@ bool LiveWindow::poll(bool widget_has_mouse, bool widget_has_keys) {
         std::max(held(GLFW_KEY_W), held(GLFW_KEY_UP)) - std::max(held(GLFW_KEY_S), held(GLFW_KEY_DOWN));
     head_.up = held(GLFW_KEY_E) - held(GLFW_KEY_Q);
   }
-  double x = 0.0, y = 0.0;
-  glfwGetCursorPos(window_, &x, &y);
-  const bool button = !widget_has_mouse && glfwGetMouseButton(window_, GLFW_MOUSE_BUTTON_LEFT) == GLFW_PRESS;
+  const double x = cursor_x_, y = cursor_y_;
+  const auto down = [&](int button) { return glfwGetMouseButton(window_, button) == GLFW_PRESS; };
+  mouse_in_use_ =
+      x != mouse_x_ || y != mouse_y_ || down(GLFW_MOUSE_BUTTON_LEFT) || down(GLFW_MOUSE_BUTTON_RIGHT);
+  const bool button = !widget_has_mouse && down(GLFW_MOUSE_BUTTON_LEFT);
   if (button && dragging_) {
     head_.turn_right_rad = (x - mouse_x_) * rad_per_px;
     head_.turn_up_rad = (mouse_y_ - y) * rad_per_px;

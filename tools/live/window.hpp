@@ -34,20 +34,24 @@ class LiveWindow {
   bool poll(bool widget_has_mouse, bool widget_has_keys);
   /// Since the last poll().
   const HeadInput& head() const { return head_; }
-  bool pressed(char key) const;  // letters in upper case, ' '
+  bool pressed(char key) const;                        // letters in upper case, ' '
+  bool mouse_in_use() const { return mouse_in_use_; }  // moved, or with a button held
 
   void size(int& width_px, int& height_px) const;
   void set_title(const std::string& title);
 
  private:
   static void on_key(GLFWwindow* window, int key, int code, int action, int mods);
+  static void on_cursor(GLFWwindow* window, double x, double y);
   double held(int key) const;
 
   GLFWwindow* window_ = nullptr;
   HeadInput head_;
   std::vector<int> pressed_;
-  double mouse_x_ = 0.0, mouse_y_ = 0.0;
-  bool dragging_ = false, overlay_attached_ = false;
+  // As the window system has told of itself: to ask for it is to wait until the last picture is shown.
+  double cursor_x_ = 0.0, cursor_y_ = 0.0;
+  double mouse_x_ = 0.0, mouse_y_ = 0.0;  // at the last poll()
+  bool dragging_ = false, mouse_in_use_ = false, overlay_attached_ = false;
 };
 
 }  // namespace brace

@@ -64,5 +64,25 @@ TEST(HeadRecording, BecomesATraceWhateverTheSignsOfItsQuaternions) {
       1e-9);
 }
 
+TEST(HeadRecording, HasWhatLiesBetweenPictures) {
+  const auto at = [](SimTime time) {
+    const double s = to_s(time - SimTime());
+    return Pose{quat_exp({0, std::sin(20.0 * s), 0}), {0.1 * s, 0, 0}};
+  };
+  HeadRecording recording;
+  for (const double s : {0.5, 0.6, 0.601, 0.9})
+    recording.go_on_to(SimTime(from_s(s)), at);
+  const sim::PoseTrace trace = recording.trace();
+  EXPECT_EQ(recording.begin(), SimTime(from_s(0.5)));
+  for (std::size_t i = 1; i < trace.poses().size(); ++i)
+    EXPECT_LE(trace.poses()[i].time - trace.poses()[i - 1].time, HeadRecording::spacing_max);
+  for (double s = 0.0; s < 0.4; s += 0.0123) {
+    const Pose found = trace.at(SimTime(from_s(s)), sim::Interpolation::hermite),
+               wanted = at(SimTime(from_s(0.5 + s)));
+    EXPECT_LT(angle_between_rad(found.orientation, wanted.orientation), 1e-3) << s;
+    EXPECT_LT(glm::distance(found.position, wanted.position), 1e-6) << s;
+  }
+}
+
 }  // namespace
 }  // namespace brace
