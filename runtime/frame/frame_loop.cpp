@@ -5,85 +5,14 @@
 #include <limits>
 
 #include "base/error.hpp"
-#include "runtime/frame/chunked_cast.hpp"
 #include "runtime/frame/describe_record.hpp"
-#include "runtime/frame/recent_durations.hpp"
-#include "runtime/timeline/event_queue.hpp"
+#include "runtime/frame/frame_loop_state.hpp"
 
 namespace brace {
 
+using namespace frame_loop;
+
 namespace {
-
-enum class LoopEvent { vsync, latch_warp, start_eye_frame, gpu_change };
-
-/// An eye frame: asked for, and with `done` the front buffer.
-struct EyeFrame {
-  std::int64_t frame = -1;
-  Pose world_from_head;
-  std::int64_t reading_ns = -1;  // the newest tracker reading it was predicted from
-  std::int64_t target_ns = -1;   // photon time it was predicted for
-  std::int64_t start_ns = -1;    // first work on the GPU
-  std::int64_t done_ns = -1;
-  WorkCounts work;
-  glm::dvec3 gaze = sim::straight_ahead;  // as known at its start
-  int slot = 0;                           // of the swap-chain
-  SimTime begin{};                        // when it was asked for
-  double quality = 1.0;
-  bool judged = false;  // the control stage has been told that it is late
-  SimTime aim{};        // photon time it was predicted for at its start
-  int cells_cast = 0;   // from poses of their own
-};
-
-/// What a warp makes of an eye frame: on its way to the panel, or on it.
-struct DisplayImage {
-  EyeFrame eye;
-  Pose warp_world_from_head;
-  std::int64_t reading_ns = -1;  // of the latched pose; the eye frame's for warps without one
-  std::int64_t start_ns = -1;
-  std::int64_t done_ns = -1;  // -1 while the GPU works on it
-};
-
-struct PhotonOffsets {
-  SimDuration first_row, mid, last_row;  // from the vsync; the same for every vsync
-};
-
-struct Loop {
-  Loop(const FrameLoopConfig& loop_config, const FrameLoopInputs& loop_inputs)
-      : config(loop_config),
-        inputs(loop_inputs),
-        clock(SimTime(SimDuration(0)), loop_config.display.refresh),
-        gpu(loop_config.queue, loop_config.preemption) {
-    if (loop_config.chunked) chunked.emplace(*loop_config.chunked);
-  }
-
-  const FrameLoopConfig& config;
-  const FrameLoopInputs& inputs;
-  sim::VsyncClock clock;
-  PhotonOffsets photons{};
-  std::int64_t vsync_count = 0;
-  EventQueue<LoopEvent> events;
-  SimulatedGpu gpu;
-  std::optional<SimTime> gpu_event;  // earliest change that an event waits for
-
-  std::optional<ChunkedCast> chunked;
-
-  std::optional<EyeFrame> casting;   // at most one
-  std::optional<EyeFrame> front;     // newest finished
-  std::optional<DisplayImage> next;  // the one image between latch and vsync
-  std::optional<DisplayImage> panel;
-
-  RecentDurations cast_durations, warp_costs;
-  RecentDurations frame_intervals;  // between ends of eye frames
-  double quality = 1.0;
-  std::uint32_t missed_since_control = 0;
-  std::int32_t stale_run = 0;
-  std::int64_t next_latch_vsync = 0;     // the vsync that the next warp latches for
-  std::int64_t next_deadline_vsync = 1;  // whose warp cells must leave time for
-  std::int64_t front_seen_vsync = -1;    // that the front buffer was first latched for; -1: not yet
-  std::int64_t last_predicted_vsync = -1;
-  std::int64_t transfer_version = 0;  // that eye frames show
-  FrameLoopResult result;
-};
 
 SimDuration period_of(const Loop& loop) {
   return loop.clock.period_after(0);
@@ -101,22 +30,6 @@ SimDuration warp_lead(const Loop& loop) {
   if (config.queue == QueueKind::priority)
     lead += config.preemption.granularity + config.preemption.switch_cost;
   return std::min(lead, period);
-}
-
-Pose predict(const PredictStage& stage, std::span<const brace_tracker_sample> readings, SimTime target) {
-  brace_pose pose{};
-  const brace_result result = stage.functions->predict(
-      stage.self, readings.data(), static_cast<std::uint32_t>(readings.size()), to_ns(target), &pose);
-  const double* q = pose.orientation_xyzw;
-  const double norm = q[0] * q[0] + q[1] * q[1] + q[2] * q[2] + q[3] * q[3];
-  const double reach = pose.position_m[0] + pose.position_m[1] + pose.position_m[2];
-  if (result != BRACE_OK || !(std::abs(norm - 1) < 1e-6) || !std::isfinite(reach)) {
-    throw device_error(
-        "{} failed in predict; expected BRACE_OK and a finite unit pose; found result {}, |q|^2 = {} for t = "
-        "{} ns",
-        stage.name, static_cast<int>(result), norm, to_ns(target));
-  }
-  return sim::from_abi(pose);
 }
 
 void expect_gpu_change(Loop& loop) {
@@ -430,31 +343,6 @@ void collect_finished(Loop& loop) {
   give_up_late_frame(loop);
   submit_cells(loop);
   expect_gpu_change(loop);
-}
-
-/// What the eye gets: rotation and translation may come from different poses.
-Pose shown_pose(const DisplayImage& image, WarpPose warp_pose) {
-  Pose shown = image.eye.world_from_head;
-  if (warp_pose != WarpPose::none) shown.orientation = image.warp_world_from_head.orientation;
-  if (warp_pose == WarpPose::rotation_and_translation) shown.position = image.warp_world_from_head.position;
-  return shown;
-}
-
-void describe_image(FrameRecord& record, const DisplayImage& image, WarpPose warp_pose) {
-  record.displayed_frame = image.eye.frame;
-  record.render_pose_ns = image.eye.reading_ns;
-  record.render_target_ns = image.eye.target_ns;
-  record.render_start_ns = image.eye.start_ns;
-  record.render_done_ns = image.eye.done_ns;
-  record.warp_pose_ns = image.reading_ns;
-  record.warp_start_ns = image.start_ns;
-  record.warp_done_ns = image.done_ns;
-  record.mtp_rotation_ns = record.photon_mid_ns - image.reading_ns;
-  record.mtp_translation_ns =
-      record.photon_mid_ns -
-      (warp_pose == WarpPose::rotation_and_translation ? image.reading_ns : image.eye.reading_ns);
-  record.frame_age_ns = record.vsync_ns - image.eye.reading_ns;
-  record.work = image.eye.work;
 }
 
 /// Scans out the image that is ready, or the last one again.

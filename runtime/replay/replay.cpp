@@ -108,7 +108,8 @@ ReportInput report_input(const std::vector<LabelledSession>& sessions, const std
   input.refresh_hz = headset.profile.refresh.hz();
   input.resolution_scale = session.device.resolution_scale;
   input.trace = trace_name(session, head_trace);
-  input.clock = {session.clock.wall ? "wall" : "virtual", session.clock.queue, session.clock.cost, session.clock.cost_resolution};
+  input.clock = {session.clock.wall ? "wall" : "virtual", session.clock.queue, session.clock.cost,
+                 session.clock.cost_resolution};
   // Where the recording lies differs between machines and must not make equal runs differ; session.toml has
   // it.
   if (session.clock.cost.rfind("recorded:", 0) == 0) input.clock.cost = "recorded";

@@ -21,8 +21,9 @@ struct Event {
 };
 
 /// A discrete-event timeline: events come out ordered by (time, insertion order), and only taking one moves
-/// simulated time, or being told what another clock says. A late event leaves now() where it is. The user switches over the kind. Memory is reserved once; it grows only if more events
-/// wait at the same time than were reserved for.
+/// simulated time, or being told what another clock says. A late event leaves now() where it is. The user
+/// switches over the kind. Memory is reserved once; it grows only if more events wait at the same time than
+/// were reserved for.
 template <typename Kind>
 class EventQueue {
  public:
