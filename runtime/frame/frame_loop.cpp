@@ -231,7 +231,8 @@ void latch_warp(Loop& loop, std::int64_t vsync) {
 
   const SimTime now = loop.events.now();
   vsync = std::max(vsync, loop.clock.first_at_or_after(now));  // later by a wall clock alone
-  DisplayImage image{.eye = eye_frame_shown(loop)};
+  DisplayImage image;
+  image.eye = eye_frame_shown(loop);
   image.warp_world_from_head = image.eye.world_from_head;
   image.reading_ns = image.eye.reading_ns;
   if (uses_pose) {
