@@ -178,8 +178,8 @@ TEST_F(Mab, WrongLevelsAndStagesThatDoNotGoWithItAreRefusedByName) {
   const Outcome anchors = try_run("b", {"pipeline.rays=mab", "stage.mab.anchor_2=0.2"});
   EXPECT_EQ(anchors.exit_code, 2);
   EXPECT_THAT(anchors.err, HasSubstr("anchor_2 = 0.2 is below anchor_1 = 0.3"));
-  const Outcome layers =
-      try_run("c", {"pipeline.rays=mab", "pipeline.stereo=layers", "device.profile=valve-index"});
+  const Outcome layers = try_run(
+      "c", {"pipeline.rays=mab", "pipeline.stereo=layers", "device.profile=valve-index", "device.lens=none"});
   EXPECT_EQ(layers.exit_code, 2);
   EXPECT_THAT(layers.err, HasSubstr("rays/mab"));
   EXPECT_THAT(layers.err, HasSubstr("canted"));
