@@ -99,8 +99,8 @@ StereoPlan plan_single_pass(const gpu::Device& device, const Session& session, c
   const std::optional<MabPlan> mab = plan_mab(session, headset);
   if (planes && mab) {
     throw input_error(
-        "stereo/layers does not work with rays/mab on canted displays, whose pictures it rectifies: levels are "
-        "laid out for the displays; accepted for {}: rays/full_rate, or with rays/mab stereo/novel_view",
+        "stereo/layers does not work with rays/mab on canted displays, whose pictures it rectifies: levels "
+        "are laid out for the displays; accepted for {}: rays/full_rate, or with rays/mab stereo/novel_view",
         headset.profile.name);
   }
   if (planes) eyes = planes->apply(eyes);
