@@ -165,7 +165,8 @@ brace_cast_frame cast_frame(const EyeCast& eye, VkCommandBuffer_T* commands, con
   return frame;
 }
 
-void execute_cast(const EyeCast& eye, const CastArea& area, HostRays& host, WorkCounts& counted) {
+SimDuration execute_cast(const EyeCast& eye, const CastArea& area, HostRays& host, WorkCounts& counted) {
+  const auto begin = std::chrono::steady_clock::now();
   const RayBuffers& rays = eye.resources.rays;
   brace_cast_frame frame = cast_frame(eye, nullptr, area);
   bring(eye.device, eye.resources.target.params, frame.params, host.params);
@@ -188,6 +189,7 @@ void execute_cast(const EyeCast& eye, const CastArea& area, HostRays& host, Work
   counted.samples += counts.samples;
   counted.skip_steps += counts.skip_steps;
   counted.shading_fetches += counts.shading_fetches;
+  return std::chrono::steady_clock::now() - begin;
 }
 
 EyeCastOutcome cast_eye(const EyeCast& eye, gpu::CommandList& commands, HostRays& host) {
@@ -218,9 +220,7 @@ EyeCastOutcome cast_eye(const EyeCast& eye, gpu::CommandList& commands, HostRays
     eye.watchdog->remember_input(eye.resources.target.params);
   }
   if (on_host) {
-    const auto begin = std::chrono::steady_clock::now();
-    execute_cast(eye, rays, host, outcome.counted);
-    cast_ns = std::chrono::nanoseconds(std::chrono::steady_clock::now() - begin).count();
+    cast_ns = to_ns(execute_cast(eye, rays, host, outcome.counted));
     outcome.time_ns += cast_ns;
   } else {
     record_cast(eye, commands, rays);

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "base/time.hpp"
 #include "runtime/host/native_stage.hpp"
 #include "runtime/host/stage_activation.hpp"
 #include "runtime/host/watchdog.hpp"
@@ -49,8 +50,9 @@ struct HostRays {
 /// The frame as a stage sees it. `commands` null: on the host, with mapped ranges where there are any.
 brace_cast_frame cast_frame(const EyeCast& eye, VkCommandBuffer_T* commands, const CastArea& area);
 
-/// Runs a cast that executes on the host; the device is idle and the rays are written.
-void execute_cast(const EyeCast& eye, const CastArea& area, HostRays& host, WorkCounts& counted);
+/// Runs a cast that executes on the host and returns how long it took there; the device is idle and the rays
+/// are written.
+SimDuration execute_cast(const EyeCast& eye, const CastArea& area, HostRays& host, WorkCounts& counted);
 
 /// Opening brace, cast and closing brace of one eye; the work is done when it returns. Throws device_error
 /// that names the stage when one fails. Allocates nothing once warm.

@@ -13,10 +13,6 @@ namespace brace {
 
 namespace {
 
-bool is_native(const Session& session, const char* family) {
-  return session.pipeline.at(family).stage.native != nullptr;
-}
-
 /// The pictures that others are compared with are cast without levels from a scene that has them.
 bool samples_levels(const Session& session, const SceneOnDevice& scene) {
   return scene.levels != nullptr && wants_levels(session.pipeline.at("cast"));
@@ -77,109 +73,7 @@ std::int64_t total_ns(std::span<const gpu::Timing> timings) {
   return total;
 }
 
-/// Throws input_error for stages that cannot give layers to the session's warp.
-void require_layers(const Session& session) {
-  const std::string warp = session.pipeline.at("warp").stage.id();
-  const auto refuse = [&](const std::string& what, const char* accepted) {
-    throw input_error("{} does not work with {}; accepted: {}, or another warp", warp, what, accepted);
-  };
-  const StageInfo& cast = session.pipeline.at("cast").stage;
-  const auto& outputs = cast.outputs;
-  if (std::find(outputs.begin(), outputs.end(), "segments") == outputs.end() || cast.native != nullptr)
-    refuse(cast.id() + ", which does not give its segments", "cast/dvr");
-  const std::string rays = session.pipeline.at("rays").stage.id();
-  if (rays != "rays/full_rate" && rays != "rays/mab")
-    refuse(rays + ", which does not tell whose ray a pixel's is", "rays/full_rate and rays/mab");
-  if (const std::string stereo = session.pipeline.at("stereo").stage.id(); stereo != "stereo/two_pass")
-    refuse(stereo + ", whose second eye has no rays to make layers of", "stereo/two_pass");
-}
-
-/// Throws input_error where cells are to be shown one by one and cannot.
-void require_swaps_of_cells(const Session& session, const PipelineStage& schedule) {
-  if (schedule.value("swap") != 1.0) return;
-  const auto refuse = [](const char* what, const char* accepted) {
-    throw input_error(
-        "schedule/chunked with swap = 'cell' does not work with {}; accepted: {}, or swap = 'frame'", what,
-        accepted);
-  };
-  if (!cells_have_poses(schedule))
-    refuse("poses = 'frame', which are one for all cells of a picture", "poses = 'cell'");
-  if (schedule.value("cut") != 0.0)
-    refuse("cut = 'cost', whose cells lie elsewhere in every frame", "cut = 'even'");
-  if (session.clock.queue != "single")
-    refuse("clock.queue other than 'single', where a warp overtakes the cell that is being cast",
-           "clock.queue = 'single'");
-}
-
 }  // namespace
-
-void require_cells(const Session& session) {
-  const auto refuse = [](const std::string& what, const char* accepted) {
-    throw input_error("schedule/chunked does not work with {}; accepted: {}, or schedule/whole_frame", what,
-                      accepted);
-  };
-  for (const char* family : {"rays", "cast"}) {
-    if (is_native(session, family))
-      refuse(session.pipeline.at(family).stage.id(), "GLSL stages, which are cast in cells");
-  }
-  const std::string stereo = session.pipeline.at("stereo").stage.id();
-  if (is_single_pass(session)) {
-    // The right eye is composed from the left one's cells: those come first.
-    if (session.pipeline.at("schedule").value("order") != 0.0)
-      throw input_error(
-          "schedule/chunked with order = 'cost' or 'gaze' does not work with {}, whose right eye follows the "
-          "left one's cells; accepted: order = 'rows', or stereo/two_pass",
-          stereo);
-  } else if (stereo != "stereo/two_pass") {
-    refuse(stereo, "stereo/two_pass, stereo/layers and stereo/novel_view");
-  }
-  if (session.run.watchdog != WatchdogLevel::off)
-    refuse(fmt::format("run.watchdog = '{}'", to_string(session.run.watchdog)), "'off'");
-  if (session.clock.cost.rfind("recorded:", 0) == 0)
-    refuse("clock.cost = 'recorded:…', which knows no cells", "other costs");
-}
-
-void require_cell_poses(const Session& session) {
-  const PipelineStage& schedule = session.pipeline.at("schedule");
-  require_swaps_of_cells(session, schedule);
-  const bool own_poses = cells_have_poses(schedule);
-  if (!own_poses && !session.clock.wall) return;
-  const auto refuse = [&](const std::string& what, const char* accepted) {
-    throw input_error("schedule/chunked with {} does not work with {}; accepted: {}, or {}",
-                      own_poses ? "poses = 'cell'" : "clock.mode = 'wall'", what, accepted,
-                      own_poses ? "poses = 'frame'" : "schedule/whole_frame");
-  };
-  const auto id = [&](const char* family) { return session.pipeline.at(family).stage.id(); };
-  if (id("rays") != "rays/full_rate")
-    refuse(id("rays") + ", whose pixels are not each of one cell", "rays/full_rate");
-  if (id("stereo") != "stereo/two_pass")
-    refuse(id("stereo") + ", whose eyes share their rays", "stereo/two_pass");
-  if (id("skip") == "skip/occlusion")
-    refuse("skip/occlusion, whose first hits are of whole eye frames", "another skip stage");
-  const PipelineStage& warp = session.pipeline.at("warp");
-  if (own_poses && (warp.stage.native != nullptr || takes_layers(warp)))
-    refuse(warp.stage.id() + ", which takes an eye frame of one pose", "warp/none, warp/quad, warp/grid");
-}
-
-void require_levels(const Session& session) {
-  if (const std::string stereo = session.pipeline.at("stereo").stage.id(); stereo != "stereo/two_pass") {
-    throw input_error("{}: lod does not work with {}; accepted: stereo/two_pass, or lod = \"off\"",
-                      session.pipeline.at("cast").stage.id(), stereo);
-  }
-}
-
-void require_occlusion(const Session& session) {
-  const auto refuse = [](const std::string& what, const char* accepted) {
-    throw input_error("skip/occlusion does not work with {}; accepted: {}, or another skip stage", what,
-                      accepted);
-  };
-  if (const std::string rays = session.pipeline.at("rays").stage.id(); rays != "rays/full_rate")
-    refuse(rays + ", whose rays are not the pixels that first hits are known of", "rays/full_rate");
-  if (is_native(session, "cast"))
-    refuse(session.pipeline.at("cast").stage.id() + ", which is native", "cast/dvr");
-  if (const std::string stereo = session.pipeline.at("stereo").stage.id(); stereo != "stereo/two_pass")
-    refuse(stereo + ", whose second eye has no rays", "stereo/two_pass");
-}
 
 EyePair make_eye_pair(const gpu::Device& device, PictureSize size, RayLayers layers) {
   return {EyeTarget(device, size.width_px, size.height_px, layers),
@@ -378,17 +272,31 @@ SimDuration EyeRenderer::submit_step(const char* name, const Record& record) {
   return SimDuration(total_ns(gpu::submit_and_wait(commands_)));
 }
 
-void EyeRenderer::cast_cells(const CastPipeline::Resources& resources, const CellCuts& cuts) {
-  for (int i = 0; i < cuts.columns * cuts.rows; ++i) {
-    const CastArea area = rays_of(cuts.area(i), {0, 0, resources.rays_across(), resources.rays_down()});
-    pipeline_.reset_counters(device_);
-    CellOutcome cell;
-    if (area.width > 0 && area.height > 0) {
-      cell.device_time = submit_step("cast", [&] { pipeline_.record_cast(commands_, resources, area); });
-      cell.work = pipeline_.counted(device_);
-    }
-    cells_.push_back(cell);
+CellOutcome EyeRenderer::cast_cell(sim::Eye eye, const EyeView& view,
+                                   const CastPipeline::Resources& resources, const CastArea& area) {
+  CellOutcome cell;
+  if (area.width == 0 || area.height == 0) return cell;
+  pipeline_.reset_counters(device_);
+  const EyeCast whole{.device = device_,
+                      .pipeline = pipeline_,
+                      .resources = resources,
+                      .view = view,
+                      .eye = static_cast<std::uint32_t>(eye),
+                      .frame = frame_,
+                      .cast = native_cast_ ? &**native_cast_ : nullptr};
+  if (native_cast_ && (*native_cast_)->casts_on_host()) {
+    cell.device_time = execute_cast(whole, area, host_rays_, cell.work);
+    return cell;
   }
+  cell.device_time = submit_step("cast", [&] {
+    if (native_cast_) {
+      (*native_cast_)->cast(cast_frame(whole, commands_.hand_out(), area));
+    } else {
+      pipeline_.record_cast(commands_, resources, area);
+    }
+  });
+  cell.work = pipeline_.counted(device_);
+  return cell;
 }
 
 JobOutcome EyeRenderer::render_cells(const Pose& world_from_head, const EyePair& into, double quality,
@@ -404,13 +312,16 @@ JobOutcome EyeRenderer::render_cells(const Pose& world_from_head, const EyePair&
   cells_.clear();
   for (const sim::Eye eye : sim::all_eyes) {
     const EyeTarget& target = into[static_cast<std::size_t>(eye)];
-    set_eye(eye, eye_view(headset_, eye, world_from_head), target);
+    const EyeView view = eye_view(headset_, eye, world_from_head);
+    set_eye(eye, view, target);
     const CastPipeline::Resources resources = resources_of(eye, target);
+    const CastArea all{0, 0, resources.rays_across(), resources.rays_down()};
     const std::size_t first = cells_.size();
-    const SimDuration opening = submit_step("opening", [&] {
-      pipeline_.record_opening(commands_, resources, {0, 0, resources.rays_across(), resources.rays_down()});
-    });
-    cast_cells(resources, cells.cuts.empty() ? even : cells.cuts[static_cast<std::size_t>(eye)]);
+    const SimDuration opening =
+        submit_step("opening", [&] { pipeline_.record_opening(commands_, resources, all); });
+    const CellCuts& cuts = cells.cuts.empty() ? even : cells.cuts[static_cast<std::size_t>(eye)];
+    for (int i = 0; i < cuts.columns * cuts.rows; ++i)
+      cells_.push_back(cast_cell(eye, view, resources, rays_of(cuts.area(i), all)));
     const SimDuration closing = submit_step("closing", [&] {
       pipeline_.record_closing(commands_, resources, {0, 0, target.width_px, target.height_px});
     });
@@ -422,6 +333,7 @@ JobOutcome EyeRenderer::render_cells(const Pose& world_from_head, const EyePair&
       cells_.back().device_time += SimDuration(total_ns(gpu::submit_and_wait(commands_)));
     }
   }
+  ++frame_;
   JobOutcome outcome{.cells = cells_};
   for (const CellOutcome& cell : cells_) {
     outcome.work += cell.work;
@@ -440,8 +352,17 @@ CellOutcome EyeRenderer::render_cell(const Pose& world_from_head, const EyePair&
   const auto eye = static_cast<sim::Eye>(i);
   const CastArea area = rays_of(cuts.area(number % per_eye), {0, 0, target.width_px, target.height_px});
   if (area.width == 0 || area.height == 0) return {};
-  set_eye(eye, eye_view(headset_, eye, world_from_head), target);
+  const EyeView view = eye_view(headset_, eye, world_from_head);
+  set_eye(eye, view, target);
   const CastPipeline::Resources resources = resources_of(eye, target);
+  if (native_cast_) {
+    const SimDuration opening =
+        submit_step("opening", [&] { pipeline_.record_opening(commands_, resources, area); });
+    CellOutcome cell = cast_cell(eye, view, resources, area);
+    cell.device_time += opening;
+    cell.device_time += submit_step("closing", [&] { pipeline_.record_closing(commands_, resources, area); });
+    return cell;
+  }
   pipeline_.reset_counters(device_);
   CellOutcome cell;
   cell.device_time = submit_step("cell", [&] {

@@ -13,22 +13,10 @@
 #include "runtime/replay/scene.hpp"
 #include "runtime/replay/scene_activation.hpp"
 #include "runtime/replay/single_pass.hpp"
+#include "runtime/replay/stage_conflicts.hpp"
 #include "runtime/skip/first_hit_maps.hpp"
 
 namespace brace {
-
-/// Throws input_error for stages that schedule/chunked cannot cast in cells.
-void require_cells(const Session& session);
-
-/// Throws input_error for stages whose cells cannot be cast or shown one by one, where the session's schedule
-/// or its clock asks for that.
-void require_cell_poses(const Session& session);
-
-/// Throws input_error for stages whose rays cannot begin where skip/occlusion says.
-void require_occlusion(const Session& session);
-
-/// Throws input_error for stages that do not work with coarser levels of the volume.
-void require_levels(const Session& session);
 
 EyePair make_eye_pair(const gpu::Device& device, PictureSize size, RayLayers layers = {});
 
@@ -77,8 +65,8 @@ class EyeRenderer {
     int columns = 0, rows = 0;         // of each eye
     std::span<const CellCuts> cuts{};  // of the left and the right eye; empty: even
   };
-  /// The same in cells over each eye's rays, each cell on its own; valid until the next call. Kernels
-  /// alone: see require_cells.
+  /// The same in cells over each eye's rays, each cell on its own; valid until the next call. For what
+  /// require_cells accepts.
   JobOutcome render_cells(const Pose& world_from_head, const EyePair& into, double quality,
                           const Cells& cells);
 
@@ -113,7 +101,8 @@ class EyeRenderer {
   void keep_first_hits(gpu::CommandList& commands, sim::Eye eye, const EyeTarget& target);
   CastPipeline::Resources resources_of(sim::Eye eye, const EyeTarget& target);
   JobOutcome render_by_steps(const Pose& world_from_head, const EyePair& into);
-  void cast_cells(const CastPipeline::Resources& resources, const CellCuts& cuts);
+  CellOutcome cast_cell(sim::Eye eye, const EyeView& view, const CastPipeline::Resources& resources,
+                        const CastArea& area);
   template <class Record>
   SimDuration submit_step(const char* name, const Record& record);
   EyeCastOutcome cast_eye_by_steps(sim::Eye eye, const Pose& world_from_head, const EyeTarget& target);

@@ -1,0 +1,108 @@
+// cast/native through the command, with what goes through every raycaster: lists of rays of rays/mab, cells
+// of schedule/chunked. The pictures are those of cast/dvr on every instruction set there is.
+#include <algorithm>
+#include <cmath>
+
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include "base/image.hpp"
+#include "tests/cli/command.hpp"
+
+namespace brace {
+namespace {
+
+using test::Outcome;
+using test::Workplace;
+using ::testing::HasSubstr;
+
+// 65 x 72 pixels: no multiple of a tile or a packet.
+const std::string session = R"([device]
+profile = "htc-vive"
+resolution_scale = 0.06
+tracker = "ideal"
+[trace]
+neck = { motion = "rotation", degrees = 20, seconds = 0.3 }
+[scene]
+volume = "generator:fractal_vessels:29"
+transfer_function = "ct-soft-tissue"
+size_m = 0.5
+position = "front:0.6"
+[clock]
+cost = "model:gtx-1080"
+[output]
+images = "list:3"
+error = "none"
+[run]
+frames = 4
+)";
+
+class NativeCastRun : public ::testing::Test {
+ protected:
+  void run(const std::string& name, const std::vector<std::string>& settings) {
+    const Outcome outcome = test::run_session(place_, session, name, settings);
+    ASSERT_EQ(outcome.exit_code, 0) << outcome.err;
+  }
+  ImageRgba8 picture(const std::string& name, const std::string& eye) {
+    return read_png(place_ / name / "images" / ("000003_" + eye + ".png"));
+  }
+  double total(const std::string& name, const std::string& column) {
+    double sum = 0.0;
+    for (const double value : test::csv_column(place_.read(name + "/frames.csv"), column))
+      sum += value;
+    return sum;
+  }
+  /// What `instructions` takes beside auto, from the parameter's own refusal.
+  std::vector<std::string> instruction_sets() {
+    const std::string words =
+        test::run_session(place_, session, "no", {"pipeline.cast=native", "stage.native.instructions=no"})
+            .err;
+    std::vector<std::string> found;
+    for (const char* set : {"avx512", "avx2", "sse4", "neon", "scalar"})
+      if (words.find(set) != std::string::npos) found.emplace_back(set);
+    EXPECT_THAT(found, ::testing::Contains("scalar")) << words;
+    return found;
+  }
+  void expect_pictures_of_dvr(const std::vector<std::string>& settings) {
+    run("dvr", settings);
+    std::vector<std::string> native = settings;
+    native.insert(native.end(), {"pipeline.cast=native", ""});
+    for (const std::string& set : instruction_sets()) {
+      native.back() = "stage.native.instructions=" + set;
+      run(set, native);
+      for (const char* eye : {"left", "right"}) {
+        const ImageRgba8 a = picture("dvr", eye), b = picture(set, eye);
+        ASSERT_EQ(a.pixels.size(), b.pixels.size());
+        int largest = 0, brightest = 0;
+        for (std::size_t i = 0; i < a.pixels.size(); ++i) {
+          const Rgba8 &p = a.pixels[i], &q = b.pixels[i];
+          largest = std::max({largest, std::abs(p.r - q.r), std::abs(p.g - q.g), std::abs(p.b - q.b)});
+          brightest = std::max({brightest, int{p.r}, int{p.g}, int{p.b}});
+        }
+        EXPECT_LE(largest, 1) << set << ' ' << eye;
+        EXPECT_GT(brightest, 50) << "there is something to see";
+      }
+      EXPECT_EQ(total(set, "rays"), total("dvr", "rays")) << set;
+      EXPECT_NEAR(total(set, "samples") / total("dvr", "samples"), 1.0, 1e-3) << set;
+    }
+  }
+  Workplace place_;
+};
+
+TEST_F(NativeCastRun, TakesTheRaysOfAnAtlas) {
+  expect_pictures_of_dvr({"pipeline.rays=mab", "stage.mab.gaze=script", "gaze.script=[[0, 0.14, -0.05]]",
+                          "pipeline.skip=distance_map"});
+}
+
+TEST_F(NativeCastRun, CastsInCells) {
+  expect_pictures_of_dvr(
+      {"pipeline.schedule=chunked", "stage.chunked.columns=3", "stage.chunked.rows=5", "pipeline.rays=mab"});
+}
+
+TEST_F(NativeCastRun, CastsCellsFromTheirOwnPoses) {
+  expect_pictures_of_dvr({"pipeline.schedule=chunked", "stage.chunked.columns=3", "stage.chunked.poses=cell",
+                          "stage.chunked.swap=cell"});
+}
+
+}  // namespace
+}  // namespace brace
