@@ -42,7 +42,7 @@ brace_result on_control(void*, const brace_control_input*, double* quality) {
 }
 
 const brace_rays_functions rays_functions{sizeof rays_functions, on_frame, on_frame};
-const brace_cast_functions cast_functions{sizeof cast_functions, on_frame, nullptr};
+const brace_cast_functions cast_functions{sizeof cast_functions, on_frame, nullptr, 0};
 const brace_stereo_functions stereo_functions{sizeof stereo_functions, on_stereo};
 const brace_warp_functions warp_functions{sizeof warp_functions, on_warp};
 const brace_predict_functions predict_functions{sizeof predict_functions, on_predict};

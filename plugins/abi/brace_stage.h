@@ -28,7 +28,7 @@ extern "C" {
 #endif
 
 #define BRACE_ABI_VERSION_MAJOR 1
-#define BRACE_ABI_VERSION_MINOR 1
+#define BRACE_ABI_VERSION_MINOR 2
 /* A version as one number, for the ranges that host and library exchange. */
 #define BRACE_ABI_VERSION_MAKE(major, minor) (((uint32_t)(major) << 16) | (uint32_t)(minor))
 #define BRACE_ABI_VERSION BRACE_ABI_VERSION_MAKE(BRACE_ABI_VERSION_MAJOR, BRACE_ABI_VERSION_MINOR)
@@ -240,6 +240,31 @@ typedef enum brace_skip_map {
   BRACE_SKIP_MAP_OCTREE = 3     /* skip/octree: a bit-field per node */
 } brace_skip_map;
 
+/* A stretch of a ray in which something is visible, as brace/emit.glsl tells of it. Frozen. */
+typedef struct brace_segment {
+  float begin_units, end_units; /* from the ray's entry; begin < end */
+  float red, green, blue;       /* not premultiplied */
+  float optical_depth;          /* in powers of two: the segment's transmittance is 2^-optical_depth */
+} brace_segment;
+
+/* All that one ray leaves. Frozen. */
+typedef struct brace_ray_segments {
+  uint32_t ray;                  /* its index */
+  uint32_t count;                /* of segments; may be 0 */
+  float end_units;               /* the ray's length, or where it was ended early */
+  const brace_segment* segments; /* front to back; null if there are none */
+} brace_ray_segments;
+
+/* Where a cast on the host tells of segments. */
+typedef struct brace_segment_sink {
+  uint32_t struct_size;
+  void* host_context; /* the host's own */
+  /* Copies what `count` rays leave. Each ray of the area whose length is above 0 is told of once, the others
+   * never. Thread: any, also several at once. What it returns other than BRACE_OK, execute returns as well.
+   */
+  brace_result (*take)(const struct brace_segment_sink* sink, const brace_ray_segments* rays, uint32_t count);
+} brace_segment_sink;
+
 /* One eye of one eye frame between the braces. The layouts are those of brace/ray_buffers.glsl and
  * brace/eye_params.h:
  *   params            BraceEyeParams (160 bytes)
@@ -272,6 +297,7 @@ typedef struct brace_cast_frame {
   brace_work_counts* counted; /* execute only, else null: the stage adds its work here */
   brace_skip_map skip_map;    /* since 1.1: what skip_words holds */
   brace_buffer_range skip_words, skip_params;
+  const brace_segment_sink* segments; /* since 1.2, execute only: null unless segments are asked for */
 } brace_cast_frame;
 
 /* Rules of everything that records (open, close, record):
@@ -299,8 +325,11 @@ typedef struct brace_cast_functions {
   brace_result (*record)(void* self, const brace_cast_frame* frame);
   /* The same on the host: every range that the stage needs is mapped, `commands` is null, the device is idle.
    * Thread: frame thread; the stage may use threads of its own that it joins or parks before it returns.
-   * State: active. Does not allocate. */
+   * State: active. Does not allocate, but for segments that frame->segments asks for. */
   brace_result (*execute)(void* self, const brace_cast_frame* frame);
+  /* Since 1.2. Not 0: execute tells frame->segments of every segment it has integrated, for stages that make
+   * layers of them (stereo, warp). */
+  uint32_t gives_segments;
 } brace_cast_functions;
 
 /* skip: a distance map over blocks of voxels, which the public hook brace/skip_distance.glsl reads. A byte

@@ -16,6 +16,7 @@
 #include "lanes-inl.hpp"
 #include "shade-inl.hpp"
 #include "skip_maps-inl.hpp"
+#include "trail-inl.hpp"
 #include "voxels-inl.hpp"
 
 HWY_BEFORE_NAMESPACE();
@@ -119,7 +120,8 @@ HWY_INLINE void add_segment(Mask visible, Float t, Float x, const Point& colour,
 template <brace_voxel_type type>
 class Traversal {
  public:
-  HWY_INLINE Traversal(const Scene& scene, const Rays& rays, const PacketRays& packet,
+  /// `trail`: null where nobody asks for segments.
+  HWY_INLINE Traversal(const Scene& scene, const Rays& rays, const PacketRays& packet, Trail* trail,
                        brace_work_counts& counts)
       : rays_(load(rays, packet)),
         segments_(hn::Mul(rays_.extent, all(1.0f / scene.step_units))),
@@ -128,7 +130,10 @@ class Traversal {
         ask_from_(all_int(0)),
         active_(hn::Gt(rays_.extent, hn::Zero(Floats()))),
         seeking_(scene.skip_map == BRACE_SKIP_MAP_NONE ? hn::Lt(segments_, segments_) : active_),
-        skips_(scene.skip_map != BRACE_SKIP_MAP_NONE) {
+        skips_(scene.skip_map != BRACE_SKIP_MAP_NONE),
+        trail_(trail),
+        end_(rays_.extent) {
+    if (trail_ != nullptr) trail_->clear();
     const Float zero = hn::Zero(Floats());
     result_ = {{zero, zero, zero}, zero, all(1.0f), all(std::numeric_limits<float>::infinity())};
     counts.rays += hn::CountTrue(Floats(), active_);
@@ -146,8 +151,10 @@ class Traversal {
     return true;
   }
 
-  void store(const Scene& scene, const Rays& rays, const PacketRays& packet) const {
+  brace_result store(const Scene& scene, const Rays& rays, const PacketRays& packet) const {
     HWY_NAMESPACE::store(scene, rays, packet, rays_, result_);
+    if (trail_ == nullptr) return BRACE_OK;
+    return trail_->tell(*scene.segments, packet.index, packet.count, rays_.extent, end_);
   }
 
  private:
@@ -190,9 +197,17 @@ class Traversal {
       counts.shading_fetches += shading_fetches_per_sample(scene) * hn::CountTrue(Floats(), visible);
     }
     add_segment(visible, at.t, x, look.colour, result_);
-    active_ =
-        hn::AndNot(hn::And(visible, hn::Le(result_.transmittance, all(scene.opaque_transmittance))), active_);
+    const Mask opaque = hn::And(visible, hn::Le(result_.transmittance, all(scene.opaque_transmittance)));
+    if (trail_ != nullptr) leave(scene, at, visible, opaque, look.colour, x);
+    active_ = hn::AndNot(opaque, active_);
     return visible;
+  }
+
+  HWY_INLINE void leave(const Scene& scene, const Lattice& at, Mask visible, Mask opaque, const Point& colour,
+                        Float x) {
+    const Float step = all(scene.step_units), begin = to_float(i_);
+    trail_->add(visible, hn::Mul(begin, step), hn::Mul(hn::Add(begin, at.part), step), colour, x);
+    end_ = hn::IfThenElse(opaque, hn::Mul(hn::Add(begin, all(1.0f)), step), end_);
   }
 
   Packet rays_;
@@ -202,17 +217,23 @@ class Traversal {
   Mask active_;
   Mask seeking_;  // lanes that ask the skip map
   bool skips_;
+  Trail* trail_;
+  Float end_;  // where rays are ended early, else their length
   Result result_;
 };
 
 /// Packets are as square as the lanes allow: 4 x 4, 4 x 2, 2 x 2 or 1. Two of them, one below the other, go
 /// at a time: each waits for its own memory.
 template <brace_voxel_type type>
-void cast_voxels(const Scene& scene, const Rays& rays, const brace_area& area, brace_work_counts& counts) {
+brace_result cast_voxels(const Scene& scene, const Rays& rays, const brace_area& area,
+                         brace_work_counts& counts) {
   const std::size_t lanes = hn::Lanes(Floats());
   const std::uint32_t wide = lanes >= 8 ? 4 : lanes >= 4 ? 2 : 1;
   const auto high = static_cast<std::uint32_t>(lanes / wide);
   const EmptyBytes empty = empty_bytes(scene);
+  thread_local Trail trails[2];  // grow to what the longest rays leave
+  Trail* const trail_a = scene.segments != nullptr ? &trails[0] : nullptr;
+  Trail* const trail_b = scene.segments != nullptr ? &trails[1] : nullptr;
   const auto packet_at = [&](std::uint32_t x, std::uint32_t y) {
     PacketRays packet;
     for (std::uint32_t row = y; row < std::min(y + high, area.height); ++row) {
@@ -224,19 +245,21 @@ void cast_voxels(const Scene& scene, const Rays& rays, const brace_area& area, b
   for (std::uint32_t y = 0; y < area.height; y += 2 * high) {
     for (std::uint32_t x = 0; x < area.width; x += wide) {
       const PacketRays upper = packet_at(x, y), lower = packet_at(x, y + high);
-      Traversal<type> a(scene, rays, upper, counts), b(scene, rays, lower, counts);
+      Traversal<type> a(scene, rays, upper, trail_a, counts), b(scene, rays, lower, trail_b, counts);
       bool more_a = true, more_b = true;
       while (more_a || more_b) {
         more_a = a.step(scene, empty, counts);
         more_b = b.step(scene, empty, counts);
       }
-      a.store(scene, rays, upper);
-      b.store(scene, rays, lower);
+      const brace_result told_a = a.store(scene, rays, upper), told_b = b.store(scene, rays, lower);
+      if (told_a != BRACE_OK || told_b != BRACE_OK) return told_a != BRACE_OK ? told_a : told_b;
     }
   }
+  return BRACE_OK;
 }
 
-void cast_area_here(const Scene& scene, const Rays& rays, const brace_area& area, brace_work_counts& counts) {
+brace_result cast_area_here(const Scene& scene, const Rays& rays, const brace_area& area,
+                            brace_work_counts& counts) {
   switch (scene.volume->type) {
     case BRACE_VOXEL_UINT8:
       return cast_voxels<BRACE_VOXEL_UINT8>(scene, rays, area, counts);
@@ -246,6 +269,7 @@ void cast_area_here(const Scene& scene, const Rays& rays, const brace_area& area
     case BRACE_VOXEL_UINT16:
       return cast_voxels<BRACE_VOXEL_UINT16>(scene, rays, area, counts);
   }
+  return BRACE_UNSUPPORTED;
 }
 
 }  // namespace HWY_NAMESPACE
@@ -275,8 +299,9 @@ bool is_there(const InstructionSet& set) {
 
 HWY_EXPORT(cast_area_here);
 
-void cast_area(const Scene& scene, const Rays& rays, const brace_area& area, brace_work_counts& counts) {
-  HWY_DYNAMIC_DISPATCH(cast_area_here)(scene, rays, area, counts);
+brace_result cast_area(const Scene& scene, const Rays& rays, const brace_area& area,
+                       brace_work_counts& counts) {
+  return HWY_DYNAMIC_DISPATCH(cast_area_here)(scene, rays, area, counts);
 }
 
 std::vector<std::string> instruction_sets() {

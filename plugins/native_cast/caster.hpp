@@ -69,6 +69,7 @@ struct Scene {
   float step_units = 0.5f;
   float opaque_transmittance = 0.0f;  // a ray ends at or below it; negative: never
   Shading shading;
+  const brace_segment_sink* segments = nullptr;  // null: nobody asks for segments
 };
 
 /// The ray buffers of brace/ray_buffers.glsl.
@@ -80,8 +81,10 @@ struct Rays {
   std::size_t across = 0;  // rays per row
 };
 
-/// Casts the rays of `area` on this thread and adds to `counts`.
-void cast_area(const Scene& scene, const Rays& rays, const brace_area& area, brace_work_counts& counts);
+/// Casts the rays of `area` on this thread and adds to `counts`. What the scene's sink of segments returns,
+/// else BRACE_OK. May throw std::bad_alloc where there is one.
+brace_result cast_area(const Scene& scene, const Rays& rays, const brace_area& area,
+                       brace_work_counts& counts);
 
 /// Instruction sets that cast_area has code for and this processor runs, best first: "avx512", "avx2",
 /// "sse4", "neon", "scalar".

@@ -109,7 +109,12 @@ class NativeCast {
                     static_cast<const float*>(frame.ray_directions.mapped),
                     static_cast<float*>(frame.result_colours.mapped),
                     static_cast<float*>(frame.result_depths_m.mapped), frame.rays_across};
-    const brace_work_counts counts = cast_tiles(rays, frame.area);
+    scene_.segments = nullptr;
+    if (frame.struct_size >= offsetof(brace_cast_frame, segments) + sizeof frame.segments)
+      scene_.segments = frame.segments;
+    brace_work_counts counts{};
+    const brace_result done = cast_tiles(rays, frame.area, counts);
+    if (done != BRACE_OK) return fail(done, "its segments were not taken");
     if (frame.counted != nullptr) {
       frame.counted->rays += counts.rays;
       frame.counted->samples += counts.samples;
@@ -152,13 +157,15 @@ class NativeCast {
     std::memcpy(&scene_.skip, frame.skip_params.mapped, sizeof scene_.skip);
   }
 
-  brace_work_counts cast_tiles(const Rays& rays, const brace_area& area) {
+  brace_result cast_tiles(const Rays& rays, const brace_area& area, brace_work_counts& all) {
     std::array<std::atomic<std::uint64_t>, 4> sums{};
+    std::atomic<brace_result> result{BRACE_OK};
     const auto cast = [&](const tbb::blocked_range2d<std::uint32_t>& tile) {
       const brace_area part{area.x + tile.cols().begin(), area.y + tile.rows().begin(),
                             tile.cols().end() - tile.cols().begin(), tile.rows().end() - tile.rows().begin()};
       brace_work_counts counts{};
-      cast_area(scene_, rays, part, counts);
+      const brace_result done = cast_area(scene_, rays, part, counts);
+      if (done != BRACE_OK) result = done;
       const std::uint64_t counted[4] = {counts.rays, counts.samples, counts.skip_steps,
                                         counts.shading_fetches};
       for (std::size_t i = 0; i < 4; ++i)
@@ -168,12 +175,11 @@ class NativeCast {
       tbb::parallel_for(tbb::blocked_range2d<std::uint32_t>(0, area.height, tile_px, 0, area.width, tile_px),
                         cast, tbb::simple_partitioner());
     });
-    brace_work_counts counts{};
-    counts.rays = sums[0];
-    counts.samples = sums[1];
-    counts.skip_steps = sums[2];
-    counts.shading_fetches = sums[3];
-    return counts;
+    all.rays = sums[0];
+    all.samples = sums[1];
+    all.skip_steps = sums[2];
+    all.shading_fetches = sums[3];
+    return result;
   }
 
   std::array<double, parameter_count> values_{};
@@ -222,7 +228,7 @@ static const char* last_error(void* self) {
 
 }  // extern "C"
 
-const brace_cast_functions functions = {sizeof functions, nullptr, execute};
+const brace_cast_functions functions = {sizeof functions, nullptr, execute, 1};
 
 const brace_stage_descriptor descriptor = {
     sizeof descriptor,

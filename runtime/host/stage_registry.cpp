@@ -152,6 +152,12 @@ StageParameter stage_parameter(const brace_param& param) {
   return out;
 }
 
+bool gives_segments(const brace_stage_descriptor& descriptor) {
+  if (descriptor.kind != BRACE_KIND_CAST || descriptor.functions == nullptr) return false;
+  const auto& cast = *static_cast<const brace_cast_functions*>(descriptor.functions);
+  return cast.execute != nullptr && cast.gives_segments != 0;
+}
+
 }  // namespace
 
 StageInfo stage_info(const brace_stage_descriptor& descriptor, const std::filesystem::path& origin) {
@@ -175,6 +181,7 @@ StageInfo stage_info(const brace_stage_descriptor& descriptor, const std::filesy
     check_parameter_value(info, info.parameters.back(), info.parameters.back().default_value,
                           place + " (default)");
   }
+  if (gives_segments(descriptor)) info.outputs.emplace_back("segments");
   return info;
 }
 

@@ -41,6 +41,7 @@ CastKernels compose_cast_kernels(const CastParts& parts, const VolumeOnDevice& v
   }
   if (parts.layers_by_ray) kernels.closing.defines.emplace_back("BRACE_LAYERS_BY_RAY", "1");
   if (!parts.native_cast) kernels.cast = describe_kernel(parts, "cast_main.comp", resolve);
+  if (parts.replays_segments) kernels.cast = describe_kernel(parts, "emit_main.comp", resolve);
   kernels.cast.defines = volume.defines();
   if (parts.phong) kernels.cast.defines.emplace_back("BRACE_SHADING_PHONG", "1");
   for (auto& define : defines(parts.sampled))

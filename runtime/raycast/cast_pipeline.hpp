@@ -37,6 +37,7 @@ struct CastParts {
   bool counters = false;                     // count rays, samples, skip steps and shading fetches
   /// Native stages stand in their place: no kernels are composed, and the pipeline must not record them.
   bool native_rays = false, native_cast = false;
+  bool replays_segments = false;  // of a native cast on the host: SegmentReplay
   bool layers_by_ray = false;   // closing tells which ray's layers stand for a pixel
   SampledShading sampled = {};  // instead of phong
 };

@@ -4,6 +4,7 @@
 #include <span>
 
 #include "base/error.hpp"
+#include "runtime/raycast/segment_replay.hpp"
 
 namespace brace {
 
@@ -165,7 +166,8 @@ brace_cast_frame cast_frame(const EyeCast& eye, VkCommandBuffer_T* commands, con
   return frame;
 }
 
-SimDuration execute_cast(const EyeCast& eye, const CastArea& area, HostRays& host, WorkCounts& counted) {
+SimDuration execute_cast(const EyeCast& eye, const CastArea& area, HostRays& host, WorkCounts& counted,
+                         const brace_segment_sink* segments) {
   const auto begin = std::chrono::steady_clock::now();
   const RayBuffers& rays = eye.resources.rays;
   brace_cast_frame frame = cast_frame(eye, nullptr, area);
@@ -182,6 +184,7 @@ SimDuration execute_cast(const EyeCast& eye, const CastArea& area, HostRays& hos
   }
   brace_work_counts counts{};
   frame.counted = &counts;
+  frame.segments = segments;
   eye.cast->cast(frame);
   take_back(eye.device, rays.colours, frame.result_colours, host.colours);
   take_back(eye.device, rays.depths_m, frame.result_depths_m, host.depths_m);
@@ -190,6 +193,12 @@ SimDuration execute_cast(const EyeCast& eye, const CastArea& area, HostRays& hos
   counted.skip_steps += counts.skip_steps;
   counted.shading_fetches += counts.shading_fetches;
   return std::chrono::steady_clock::now() - begin;
+}
+
+SimDuration cast_on_host(const EyeCast& eye, const CastArea& area, HostRays& host, WorkCounts& counted,
+                         gpu::CommandList& commands) {
+  return eye.segments != nullptr ? eye.segments->cast(eye, area, host, counted, commands)
+                                 : execute_cast(eye, area, host, counted);
 }
 
 EyeCastOutcome cast_eye(const EyeCast& eye, gpu::CommandList& commands, HostRays& host) {
@@ -220,7 +229,7 @@ EyeCastOutcome cast_eye(const EyeCast& eye, gpu::CommandList& commands, HostRays
     eye.watchdog->remember_input(eye.resources.target.params);
   }
   if (on_host) {
-    cast_ns = to_ns(execute_cast(eye, rays, host, outcome.counted));
+    cast_ns = to_ns(cast_on_host(eye, rays, host, outcome.counted, commands));
     outcome.time_ns += cast_ns;
   } else {
     record_cast(eye, commands, rays);

@@ -21,6 +21,8 @@ ActivationInput activation_input(const gpu::Device& device, const VolumeOnDevice
                                  const VolumePlacement& placement, const TransferTable& transfer,
                                  double step_units, int eye_width_px, int eye_height_px);
 
+class SegmentReplay;
+
 /// One eye of one eye frame. Everything must outlive the call.
 struct EyeCast {
   const gpu::Device& device;
@@ -35,6 +37,7 @@ struct EyeCast {
   const std::string* rays_id = nullptr;  // names for the watchdog; null: that of the native stage
   const std::string* cast_id = nullptr;
   std::int64_t cast_deadline_ns = 0;  // for the watchdog; 0: none
+  SegmentReplay* segments = nullptr;  // where stages want those of a cast on the host
 };
 
 struct EyeCastOutcome {
@@ -51,8 +54,13 @@ struct HostRays {
 brace_cast_frame cast_frame(const EyeCast& eye, VkCommandBuffer_T* commands, const CastArea& area);
 
 /// Runs a cast that executes on the host and returns how long it took there; the device is idle and the rays
-/// are written.
-SimDuration execute_cast(const EyeCast& eye, const CastArea& area, HostRays& host, WorkCounts& counted);
+/// are written. `segments` may be null.
+SimDuration execute_cast(const EyeCast& eye, const CastArea& area, HostRays& host, WorkCounts& counted,
+                         const brace_segment_sink* segments = nullptr);
+
+/// The same, and what wants segments has been told of them; `commands` are used up where there are any.
+SimDuration cast_on_host(const EyeCast& eye, const CastArea& area, HostRays& host, WorkCounts& counted,
+                         gpu::CommandList& commands);
 
 /// Opening brace, cast and closing brace of one eye; the work is done when it returns. Throws device_error
 /// that names the stage when one fails. Allocates nothing once warm.

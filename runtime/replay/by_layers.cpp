@@ -30,7 +30,7 @@ ByLayers::Rectified::Rectified(const Inputs& in, const Rectification& onto)
 
 ByLayers::ByLayers(const Inputs& in, const StereoPlan& plan, const CastKernels& kernels,
                    const CastKernels& plain)
-    : SinglePass(in.device, "single-pass stereo"),
+    : SinglePass(in, "single-pass stereo"),
       headset_(in.headset),
       scene_(in.scene),
       placement_(in.placement),
@@ -71,7 +71,7 @@ CastPipeline::Resources ByLayers::resources_of(const EyeTarget& target, sim::Eye
     append(bindings, mab_->bindings(eye));
     grid = mab_->grid(eye);
   }
-  return {scene_.volume, scene_.transfer, rays(), target, bindings, {}, grid};
+  return {scene_.volume, scene_.transfer, rays(), target, bindings, scene_.skip_map(), grid};
 }
 
 std::optional<JobOutcome> ByLayers::render(const Pose& world_from_head, const EyePair& into, double quality,
@@ -94,17 +94,17 @@ std::optional<JobOutcome> ByLayers::render(const Pose& world_from_head, const Ey
             mab_ ? std::optional(mab_->grid(eye)) : std::nullopt);
   }
   layers_.reset_counters();
-  if (holes_) holes_->reset_counters();
+  if (holes_) reset_holes(*holes_);
   const CastPipeline::Resources resources = resources_of(cast_into, sim::Eye::left, true, cast_bindings_);
-  cast_rays(pipeline_, resources, reference_area(), cells);
+  cast_rays(pipeline_, resources, reference, reference_area(), cells);
   if (middle_) {
-    step("stereo", [&] { record_composed(sim::Eye::left, 0, pictures[0]); });
+    compose(sim::Eye::left, 0, eyes.left, pictures[0]);
   } else {
     step("closing", [&] {
       pipeline_.record_closing(commands_, resources, {0, 0, cast_into.width_px, cast_into.height_px});
     });
   }
-  step("stereo", [&] { record_composed(sim::Eye::right, middle_ ? 1 : 0, pictures[1]); });
+  compose(sim::Eye::right, middle_ ? 1 : 0, eyes.right, pictures[1]);
   if (rectified_) {
     step("stereo", [&] {
       for (std::size_t eye = 0; eye < 2; ++eye)
@@ -114,7 +114,7 @@ std::optional<JobOutcome> ByLayers::render(const Pose& world_from_head, const Ey
   return finish([&] { return work_of_frame(cells); }, cells);
 }
 
-void ByLayers::record_composed(sim::Eye eye, std::size_t which, const EyeTarget& into) {
+void ByLayers::compose(sim::Eye eye, std::size_t which, const EyeView& view, const EyeTarget& into) {
   StereoLayers::Composed composed{.target = into, .holes = holes_ ? &holes_->holes() : nullptr};
   if (mab_) {
     composed.atlas = &mab_->rays();
@@ -125,21 +125,24 @@ void ByLayers::record_composed(sim::Eye eye, std::size_t which, const EyeTarget&
     composed.colours = &holes_->composed_colours();
     composed.depths_m = &holes_->composed_depths_m();
   }
-  layers_.record_composed(commands_, which, composed);
+  step("stereo", [&] { layers_.record_composed(commands_, which, composed); });
   if (!holes_ && !mab_) return;
-  commands_.barrier();
   const CastPipeline::Resources resources =
       resources_of(into, eye, false, composed_bindings_[static_cast<std::size_t>(eye)]);
-  if (holes_) {
-    holes_->record(commands_, resources);
-  } else {
+  if (holes_) return cast_holes(*holes_, resources, view);
+  step("stereo", [&] {
     pipeline_.record_closing(commands_, resources, {0, 0, into.width_px, into.height_px});
-  }
+  });
+}
+
+std::uint64_t ByLayers::rays_max() const {
+  const RayBuffers& all = rays();
+  return static_cast<std::uint64_t>(all.across) * static_cast<std::uint64_t>(all.down);
 }
 
 WorkCounts ByLayers::work_of_frame(const Cells* cells) {
   WorkCounts work;
-  if (cells == nullptr) work = pipeline_.counted(device_);
+  if (cells == nullptr) work = counted_rays(pipeline_);
   const StereoLayers::Counts counts = layers_.counted();
   // In the texels of cost models, 8 bytes read and 8 written. Neighbours find the range of a ray, 8 bytes, in
   // the cache (assumed): it is written once and read once.
@@ -152,7 +155,7 @@ WorkCounts ByLayers::work_of_frame(const Cells* cells) {
     work.texels += 2u * static_cast<std::uint64_t>(eye.width_px) * static_cast<std::uint64_t>(eye.height_px);
   }
   if (holes_) {
-    const WorkCounts fresh = holes_->counted();
+    const WorkCounts fresh = counted_holes(*holes_);
     work += fresh;
     fresh_rays_ += static_cast<std::int64_t>(fresh.rays);
   }

@@ -4,7 +4,6 @@
 #include "runtime/replay/single_pass.hpp"
 #include "runtime/stereo/plane_resampler.hpp"
 #include "runtime/stereo/stereo_layers.hpp"
-#include "runtime/warp_layers/hole_rays.hpp"
 
 namespace brace {
 
@@ -22,6 +21,7 @@ class ByLayers final : public SinglePass {
   void look_at(const glm::dvec3& gaze) override {
     if (mab_) mab_->look_at(gaze);
   }
+  std::uint64_t rays_max() const override;
   std::string note() const override;
 
  private:
@@ -39,7 +39,7 @@ class ByLayers final : public SinglePass {
   CastPipeline::Resources resources_of(const EyeTarget& target, sim::Eye eye, bool emits,
                                        std::vector<gpu::Binding>& bindings) const;
   /// What an eye sees, `which`-th of those composed.
-  void record_composed(sim::Eye eye, std::size_t which, const EyeTarget& into);
+  void compose(sim::Eye eye, std::size_t which, const EyeView& view, const EyeTarget& into);
   WorkCounts work_of_frame(const Cells* cells);
 
   const Headset& headset_;

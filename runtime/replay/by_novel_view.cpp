@@ -138,7 +138,7 @@ NovelViewMemory novel_view_memory(const Session& session, const Headset& headset
 }
 
 ByNovelView::ByNovelView(const Inputs& in, const CastKernels& kernels, const CastKernels& plain)
-    : SinglePass(in.device, "stereo by novel view"),
+    : SinglePass(in, "stereo by novel view"),
       headset_(in.headset),
       scene_(in.scene),
       placement_(in.placement),
@@ -167,7 +167,8 @@ void ByNovelView::bind() {
 }
 
 CastPipeline::Resources ByNovelView::resources_of(const EyeTarget& target) const {
-  return {scene_.volume, scene_.transfer, mab_ ? mab_->rays() : rays_, target, bindings_, {}, ray_grid()};
+  return {scene_.volume,     scene_.transfer, mab_ ? mab_->rays() : rays_, target, bindings_,
+          scene_.skip_map(), ray_grid()};
 }
 
 LayerSource ByNovelView::layer_source_of(const EyeView& reference) const {
@@ -187,10 +188,10 @@ void ByNovelView::cut_out(const EyeTarget& into) {
 
 void ByNovelView::record_view(const EyeView& reference, const EyeView& eye, const EyeTarget& into) {
   CastPipeline::set_eye(device_, into, eye, placement_, scene_.volume, scene_.transfer, holes_.grid());
-  commands_.begin_timing("stereo");
-  view_.record(commands_, layer_source_of(reference), eye, into, box_, &holes_.holes());
-  holes_.record(commands_, {scene_.volume, scene_.transfer, rays_, into, bindings_, {}, holes_.grid()});
-  commands_.end_timing();
+  step("stereo",
+       [&] { view_.record(commands_, layer_source_of(reference), eye, into, box_, &holes_.holes()); });
+  cast_holes(holes_,
+             {scene_.volume, scene_.transfer, rays_, into, bindings_, scene_.skip_map(), holes_.grid()}, eye);
 }
 
 std::optional<JobOutcome> ByNovelView::render(const Pose& world_from_head, const EyePair& into,
@@ -200,13 +201,13 @@ std::optional<JobOutcome> ByNovelView::render(const Pose& world_from_head, const
   ++frames_;
   if (mab_) mab_->set_quality(quality);
   const EyeTarget& cast_into = mab_ ? wide_ : middle_ ? *reference_ : into[0];
-  CastPipeline::set_eye(device_, cast_into, mab_ ? wide_view(reference, grid_) : reference, placement_,
-                        scene_.volume, scene_.transfer, ray_grid());
+  const EyeView cast_view = mab_ ? wide_view(reference, grid_) : reference;
+  CastPipeline::set_eye(device_, cast_into, cast_view, placement_, scene_.volume, scene_.transfer,
+                        ray_grid());
   bind();
-  holes_.reset_counters();
+  reset_holes(holes_);
   const CastPipeline::Resources resources = resources_of(cast_into);
-  cast_rays(pipeline_, resources, {0, 0, resources.rays_across(), resources.rays_down()}, cells);
-  SimDuration first_view{0};
+  cast_rays(pipeline_, resources, cast_view, {0, 0, resources.rays_across(), resources.rays_down()}, cells);
   if (!middle_ || mab_) {  // with an atlas it says whose layers a pixel has, too
     step("closing", [&] {
       pipeline_.record_closing(commands_, resources, {0, 0, cast_into.width_px, cast_into.height_px});
@@ -215,23 +216,27 @@ std::optional<JobOutcome> ByNovelView::render(const Pose& world_from_head, const
   if (mab_ && !middle_) step("closing", [&] { cut_out(into[0]); });
   if (middle_) {
     record_view(reference, eyes.left, into[0]);
-    first_view = submit();  // the next view has the same parameters
+    submit_part();  // the next view has the same parameters
   }
   record_view(reference, eyes.right, into[1]);
-  JobOutcome outcome = finish([&] { return work_of_frame(cells); }, cells);
-  outcome.device_time += first_view;
-  if (cells != nullptr) cells->outcomes.back().device_time += first_view;
-  return outcome;
+  return finish([&] { return work_of_frame(cells); }, cells);
 }
 
 WorkCounts ByNovelView::work_of_frame(const Cells* cells) {
-  const WorkCounts fresh = holes_.counted();
+  const WorkCounts fresh = counted_holes(holes_);
   WorkCounts work = fresh;
-  if (cells == nullptr) work += pipeline_.counted(device_);
+  if (cells == nullptr) work += counted_rays(pipeline_);
   work.texels = view_.counted().segments;
   fresh_rays_ += static_cast<std::int64_t>(fresh.rays);
   view_.reset_counters();
   return work;
+}
+
+std::uint64_t ByNovelView::rays_max() const {
+  const auto count = [](const RayBuffers& rays) {
+    return static_cast<std::uint64_t>(rays.across) * static_cast<std::uint64_t>(rays.down);
+  };
+  return std::max(count(rays_), mab_ ? count(mab_->rays()) : 0);
 }
 
 std::string ByNovelView::note() const {

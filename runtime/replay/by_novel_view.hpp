@@ -2,7 +2,6 @@
 
 #include "runtime/mab/mab_braces.hpp"
 #include "runtime/replay/single_pass.hpp"
-#include "runtime/warp_layers/hole_rays.hpp"
 
 namespace brace {
 
@@ -19,6 +18,7 @@ class ByNovelView final : public SinglePass {
   void look_at(const glm::dvec3& gaze) override {
     if (mab_) mab_->look_at(gaze);
   }
+  std::uint64_t rays_max() const override;
   std::string note() const override;
 
  private:

@@ -37,6 +37,7 @@ CastKernels session_kernels(const Session& session, const SceneOnDevice& scene, 
   parts.layers_by_ray = (layers || (emits && is_by_novel_view(session))) && rays.stage.id() == "rays/mab";
   parts.native_rays = rays.stage.native != nullptr;
   parts.native_cast = is_native(session, "cast");
+  parts.replays_segments = parts.native_cast && (layers || (emits && is_single_pass(session)));
   CastKernels kernels = compose_cast_kernels(parts, scene.volume);
   if (heat != EyeRenderer::RayHeat::none) {
     BRACE_CHECK(counters);
@@ -106,8 +107,8 @@ EyeRenderer::EyeRenderer(const gpu::Device& device, const Session& session, cons
       own_rays_(mab_ ? RayBuffers()
                      : RayBuffers(device, headset.eye.width_px, headset.eye.height_px, guard_bytes(session))),
       commands_(device, "eyes"),
+      replay_(device),
       watchdog_(watchdog) {
-  activate_native_stages();
   BRACE_CHECK(samples_levels(session, scene) == wants_levels(session.pipeline.at("cast")));
   if (samples_levels(session, scene)) require_levels(session);
   if (is_occlusion(scene.skip_stage)) {
@@ -120,14 +121,16 @@ EyeRenderer::EyeRenderer(const gpu::Device& device, const Session& session, cons
     watchdog->arm_guard(rays().colours);
     watchdog->arm_guard(rays().depths_m);
   }
-  if (second_eye == SecondEye::ray_cast || !is_single_pass(session)) return;
-  single_pass_ =
-      make_single_pass({device, session, headset, scene, placement, data_folder}, [&](bool with_snippet) {
-        const bool own_rays = with_snippet || !is_by_novel_view(session) || !session.full_rate;
-        const PipelineStage& rays = own_rays ? session.pipeline.at("rays") : *session.full_rate;
-        return session_kernels(session, scene, rays, placement, data_folder, counting == Counting::on,
-                               with_snippet, false);
-      });
+  if (second_eye == SecondEye::as_session && is_single_pass(session)) {
+    single_pass_ = make_single_pass(
+        {device, session, headset, scene, placement, data_folder, native_cast_}, [&](bool with_snippet) {
+          const bool own_rays = with_snippet || !is_by_novel_view(session) || !session.full_rate;
+          const PipelineStage& rays = own_rays ? session.pipeline.at("rays") : *session.full_rate;
+          return session_kernels(session, scene, rays, placement, data_folder, counting == Counting::on,
+                                 with_snippet, false);
+        });
+  }
+  activate_native_stages();
 }
 
 void EyeRenderer::transfer_changed() {
@@ -146,6 +149,9 @@ void EyeRenderer::activate_native_stages() {
     if (!is_native(session_, family)) return;
     ActivationInput input = scene_activation(device_, session_, headset_, scene_, placement_);
     if (mab_) input.ray_count_max = static_cast<std::uint32_t>(rays().across * rays().down);
+    if (single_pass_)
+      input.ray_count_max =
+          std::max(input.ray_count_max, static_cast<std::uint32_t>(single_pass_->rays_max()));
     stage.emplace(session_.pipeline.at(family), input);
   };
   make("rays", native_rays_);
@@ -210,7 +216,8 @@ EyeCastOutcome EyeRenderer::cast_eye_by_steps(sim::Eye eye, const Pose& world_fr
                                      .cast = native_cast_ ? &**native_cast_ : nullptr,
                                      .watchdog = watchdog_,
                                      .rays_id = &rays_id,
-                                     .cast_id = &cast_id},
+                                     .cast_id = &cast_id,
+                                     .segments = segments()},
                                     commands_, host_rays_);
   if (keeps_first_hits_) {
     commands_.reset();
@@ -283,9 +290,10 @@ CellOutcome EyeRenderer::cast_cell(sim::Eye eye, const EyeView& view,
                       .view = view,
                       .eye = static_cast<std::uint32_t>(eye),
                       .frame = frame_,
-                      .cast = native_cast_ ? &**native_cast_ : nullptr};
+                      .cast = native_cast_ ? &**native_cast_ : nullptr,
+                      .segments = segments()};
   if (native_cast_ && (*native_cast_)->casts_on_host()) {
-    cell.device_time = execute_cast(whole, area, host_rays_, cell.work);
+    cell.device_time = cast_on_host(whole, area, host_rays_, cell.work, commands_);
     return cell;
   }
   cell.device_time = submit_step("cast", [&] {

@@ -7,7 +7,7 @@
 #include "runtime/frame/frame_work.hpp"
 #include "runtime/mab/mab_braces.hpp"
 #include "runtime/raycast/cast_pipeline.hpp"
-#include "runtime/raycast/native_steps.hpp"
+#include "runtime/raycast/segment_replay.hpp"
 #include "runtime/replay/headset.hpp"
 #include "runtime/replay/scan_line_rays.hpp"
 #include "runtime/replay/scene.hpp"
@@ -97,6 +97,7 @@ class EyeRenderer {
 
  private:
   void activate_native_stages();
+  SegmentReplay* segments() { return makes_layers_ && native_cast_ ? &replay_ : nullptr; }
   void set_eye(sim::Eye eye, const EyeView& view, const EyeTarget& target);
   void keep_first_hits(gpu::CommandList& commands, sim::Eye eye, const EyeTarget& target);
   CastPipeline::Resources resources_of(sim::Eye eye, const EyeTarget& target);
@@ -127,6 +128,7 @@ class EyeRenderer {
   // Empty where the pipeline's kernels do the work.
   std::optional<ActiveStage> native_rays_, native_cast_, native_stereo_;
   HostRays host_rays_;
+  SegmentReplay replay_;  // where the session's warp wants layers of a native cast
   Watchdog* watchdog_ = nullptr;
   std::uint64_t frame_ = 0;
   std::unique_ptr<SinglePass> single_pass_;     // null where each eye is ray cast

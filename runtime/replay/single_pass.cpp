@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include "base/error.hpp"
 #include "runtime/replay/by_layers.hpp"
@@ -39,8 +40,7 @@ void require_single_pass(const Session& session) {
   if (std::find(outputs.begin(), outputs.end(), "segments") == outputs.end()) {
     throw input_error(
         "{} does not work with {}: that stage does not give its segments (outputs = [\"segments\"]); "
-        "accepted: "
-        "cast/dvr, or stereo/two_pass",
+        "accepted: cast/dvr and cast/native, or stereo/two_pass",
         stereo, cast.id());
   }
 }
@@ -130,23 +130,68 @@ CastArea rays_of(const CellCuts::Area& cell, const CastArea& all) {
   return {all.x + x, all.y + y, edge(cell.right, all.width) - x, edge(cell.bottom, all.height) - y};
 }
 
+EyeCast SinglePass::eye_cast(const CastPipeline& pipeline, const CastPipeline::Resources& resources,
+                             const EyeView& view) const {
+  return {.device = device_,
+          .pipeline = pipeline,
+          .resources = resources,
+          .view = view,
+          .cast = native_cast_ ? &**native_cast_ : nullptr};
+}
+
+/// On the host, or only recorded.
+void SinglePass::cast_opened(const EyeCast& eye, const CastArea& area, WorkCounts& counted) {
+  if (eye.cast == nullptr) {
+    step("cast", [&] { eye.pipeline.record_cast(commands_, eye.resources, area); });
+    return;
+  }
+  submit_part();
+  earlier_ += cast_on_host(eye, area, host_rays_, counted, commands_);
+}
+
+void SinglePass::cast_holes(const HoleRays& holes, const CastPipeline::Resources& resources,
+                            const EyeView& view) {
+  step("stereo", [&] { holes.record_opening(commands_, resources); });
+  cast_opened(eye_cast(holes.pipeline(), resources, view), holes.area(resources), holes_work_);
+  step("stereo", [&] { holes.record_closing(commands_, resources); });
+}
+
+WorkCounts SinglePass::counted_rays(const CastPipeline& pipeline) const {
+  WorkCounts counted = pipeline.counted(device_);
+  counted += rays_work_;
+  return counted;
+}
+
+WorkCounts SinglePass::counted_holes(const HoleRays& holes) const {
+  WorkCounts counted = holes.counted();
+  counted += holes_work_;
+  return counted;
+}
+
+void SinglePass::reset_holes(const HoleRays& holes) {
+  holes.reset_counters();
+  holes_work_ = {};
+}
+
 void SinglePass::cast_rays(const CastPipeline& pipeline, const CastPipeline::Resources& resources,
-                           const CastArea& area, const Cells* cells) {
+                           const EyeView& view, const CastArea& area, const Cells* cells) {
   pipeline.reset_counters(device_);
+  rays_work_ = {};
+  EyeCast eye = eye_cast(pipeline, resources, view);
+  if (eye.cast != nullptr) eye.segments = &replay_;
   commands_.reset();
   commands_.barrier();
   step("opening", [&] { pipeline.record_opening(commands_, resources, area); });
-  if (cells == nullptr) {
-    step("cast", [&] { pipeline.record_cast(commands_, resources, area); });
-    return;
-  }
+  if (cells == nullptr) return cast_opened(eye, area, rays_work_);
   const SimDuration opening = submit();
   std::vector<CellOutcome>& outcomes = cells->outcomes;
   outcomes.clear();
   for (int i = 0; i < cells->cuts.columns * cells->cuts.rows; ++i) {
     const CastArea cell = rays_of(cells->cuts.area(i), area);
     CellOutcome outcome;
-    if (cell.width > 0 && cell.height > 0) {
+    if (cell.width > 0 && cell.height > 0 && eye.cast != nullptr) {
+      outcome.device_time = cast_on_host(eye, cell, host_rays_, outcome.work, commands_);
+    } else if (cell.width > 0 && cell.height > 0) {
       pipeline.reset_counters(device_);
       step("cast", [&] { pipeline.record_cast(commands_, resources, cell); });
       outcome.device_time = submit();
@@ -159,7 +204,7 @@ void SinglePass::cast_rays(const CastPipeline& pipeline, const CastPipeline::Res
 
 JobOutcome SinglePass::finish(const std::function<WorkCounts()>& work, const Cells* cells) {
   JobOutcome outcome;
-  outcome.device_time = submit();
+  outcome.device_time = submit() + std::exchange(earlier_, SimDuration(0));
   outcome.work = work();
   if (cells == nullptr) return outcome;
   std::vector<CellOutcome>& outcomes = cells->outcomes;

@@ -10,11 +10,12 @@
 
 #include "runtime/frame/frame_work.hpp"
 #include "runtime/mab/mab_plan.hpp"
-#include "runtime/raycast/cast_pipeline.hpp"
+#include "runtime/raycast/segment_replay.hpp"
 #include "runtime/replay/headset.hpp"
 #include "runtime/replay/scene.hpp"
+#include "runtime/replay/scene_activation.hpp"
 #include "runtime/stereo/stereo_plan.hpp"
-#include "runtime/warp_layers/novel_view.hpp"
+#include "runtime/warp_layers/hole_rays.hpp"
 
 namespace brace {
 
@@ -65,9 +66,13 @@ class SinglePass {
     const SceneOnDevice& scene;
     const VolumePlacement& placement;
     const std::filesystem::path& data_folder;
+    const std::optional<ActiveStage>& native_cast;  // empty where the kernels cast
   };
-  explicit SinglePass(const gpu::Device& device, const char* name)
-      : device_(device), commands_(device, name) {}
+  SinglePass(const Inputs& inputs, const char* name)
+      : device_(inputs.device),
+        commands_(inputs.device, name),
+        native_cast_(inputs.native_cast),
+        replay_(inputs.device) {}
   virtual ~SinglePass() = default;
 
   /// Wants the cast in cells, which are cut out of its rays, each submitted by itself. Outcomes are as many
@@ -84,6 +89,9 @@ class SinglePass {
                                            const Cells* cells) = 0;
   virtual void look_at(const glm::dvec3&) {}
 
+  /// The most rays of any of its casts.
+  virtual std::uint64_t rays_max() const = 0;
+
   /// For the report, e.g. how many frames were cast twice and why; "" if there is nothing to say.
   virtual std::string note() const = 0;
 
@@ -96,19 +104,39 @@ class SinglePass {
     commands_.end_timing();
   }
   SimDuration submit();
-  /// Opening brace and cast of an area of rays, submitted if there are cells, else only recorded.
-  void cast_rays(const CastPipeline& pipeline, const CastPipeline::Resources& resources, const CastArea& area,
-                 const Cells* cells);
+  /// Opening brace and cast of an area of rays as `view` sees them, segments told to whom they are for:
+  /// submitted if there are cells or the cast is on the host, else only recorded.
+  void cast_rays(const CastPipeline& pipeline, const CastPipeline::Resources& resources, const EyeView& view,
+                 const CastArea& area, const Cells* cells);
+  /// Rays of their own for what `holes` has marked.
+  void cast_holes(const HoleRays& holes, const CastPipeline::Resources& resources, const EyeView& view);
+  /// Submits what was recorded, in the middle of a frame.
+  void submit_part() { earlier_ += submit(); }
+  /// What cast_rays without cells has counted; what cast_holes has.
+  WorkCounts counted_rays(const CastPipeline& pipeline) const;
+  WorkCounts counted_holes(const HoleRays& holes) const;
+  void reset_holes(const HoleRays& holes);
   /// For the report: how many rays per frame pixels got that nothing was known of.
   static std::string fresh_rays_note(std::int64_t rays, std::int64_t frames);
   static NovelView::Folders hole_folders(const Inputs& inputs) {
     return {inputs.data_folder / "glsl", inputs.data_folder / "kernels" / "warp_layers"};
   }
-  /// Submits what was recorded after cast_rays; `work` of a frame without cells, or of what follows them.
+  /// Submits the rest of a frame; `work` of one without cells, or of what follows them.
   JobOutcome finish(const std::function<WorkCounts()>& work, const Cells* cells);
 
   const gpu::Device& device_;
   gpu::CommandList commands_;
+
+ private:
+  EyeCast eye_cast(const CastPipeline& pipeline, const CastPipeline::Resources& resources,
+                   const EyeView& view) const;
+  void cast_opened(const EyeCast& eye, const CastArea& area, WorkCounts& counted);
+
+  const std::optional<ActiveStage>& native_cast_;
+  SegmentReplay replay_;
+  HostRays host_rays_;
+  SimDuration earlier_{0};             // of the frame's submissions so far, cells apart
+  WorkCounts rays_work_, holes_work_;  // counted by casts on the host
 };
 
 /// What of a session's work is done in single pass; `cast_kernels(true)` composes its stereo stage's snippet

@@ -40,8 +40,8 @@ void require_layers(const Session& session) {
   };
   const StageInfo& cast = session.pipeline.at("cast").stage;
   const auto& outputs = cast.outputs;
-  if (std::find(outputs.begin(), outputs.end(), "segments") == outputs.end() || cast.native != nullptr)
-    refuse(cast.id() + ", which does not give its segments", "cast/dvr");
+  if (std::find(outputs.begin(), outputs.end(), "segments") == outputs.end())
+    refuse(cast.id() + ", which does not give its segments", "cast/dvr and cast/native");
   const std::string rays = session.pipeline.at("rays").stage.id();
   if (rays != "rays/full_rate" && rays != "rays/mab")
     refuse(rays + ", which does not tell whose ray a pixel's is", "rays/full_rate and rays/mab");

@@ -42,13 +42,17 @@ HoleRays::HoleRays(const gpu::Device& device, const CastKernels& kernels, int ac
   depths_m_ = per_ray(device, "composed depths", across, down, 4);
 }
 
-void HoleRays::record(gpu::CommandList& commands, const CastPipeline::Resources& resources) const {
-  const bool of_atlas = of_ == Of::atlas;
-  const CastArea rays{0, 0, of_atlas ? resources.rays_across() : across_,
-                      of_atlas ? resources.rays_down() : down_};
+CastArea HoleRays::area(const CastPipeline::Resources& resources) const {
+  if (of_ == Of::pixels) return {0, 0, across_, down_};
+  return {0, 0, resources.rays_across(), resources.rays_down()};
+}
+
+void HoleRays::run(gpu::CommandList& commands, const gpu::ComputePipeline& pipeline,
+                   const CastPipeline::Resources& resources) const {
+  const CastArea rays = area(resources);
   BRACE_CHECK(rays.width * rays.height <= across_ * down_);
-  const BraceArea area{{0, 0},
-                       {static_cast<std::uint32_t>(rays.width), static_cast<std::uint32_t>(rays.height)}};
+  const BraceArea params{{0, 0},
+                         {static_cast<std::uint32_t>(rays.width), static_cast<std::uint32_t>(rays.height)}};
   std::vector<gpu::Binding> bindings = {gpu::bind(CastSlot::eye, resources.target.params),
                                         gpu::bind(CastSlot::ray_entry, resources.rays.entries),
                                         gpu::bind(CastSlot::result_colour, resources.rays.colours),
@@ -56,22 +60,24 @@ void HoleRays::record(gpu::CommandList& commands, const CastPipeline::Resources&
                                         gpu::bind(CastSlot::eye_image, resources.target.image),
                                         gpu::bind(CastSlot::eye_depth, resources.target.depth),
                                         gpu::bind(kMarkedSlot, holes_)};
-  if (of_atlas) {
+  if (of_ == Of::atlas) {
     bindings.push_back(gpu::bind(kColoursSlot, colours_));
     bindings.push_back(gpu::bind(kDepthsSlot, depths_m_));
   }
-  const auto run = [&](const gpu::ComputePipeline& pipeline) {
-    commands.dispatch(pipeline, bindings, std::as_bytes(std::span(&area, 1)),
-                      pipeline.groups_for(rays.width, rays.height));
-    commands.barrier();
-  };
-  pipeline_.record_opening(commands, resources, rays);
+  commands.dispatch(pipeline, bindings, std::as_bytes(std::span(&params, 1)),
+                    pipeline.groups_for(rays.width, rays.height));
   commands.barrier();
-  run(mask_);
-  pipeline_.record_cast(commands, resources, rays);
+}
+
+void HoleRays::record_opening(gpu::CommandList& commands, const CastPipeline::Resources& resources) const {
+  pipeline_.record_opening(commands, resources, area(resources));
   commands.barrier();
-  run(merge_);
-  if (!of_atlas) return;
+  run(commands, mask_, resources);
+}
+
+void HoleRays::record_closing(gpu::CommandList& commands, const CastPipeline::Resources& resources) const {
+  run(commands, merge_, resources);
+  if (of_ == Of::pixels) return;
   pipeline_.record_closing(commands, resources,
                            {0, 0, resources.target.width_px, resources.target.height_px});
   commands.barrier();

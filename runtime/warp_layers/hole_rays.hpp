@@ -22,16 +22,23 @@ class HoleRays {
   const gpu::Buffer& composed_colours() const { return colours_; }
   const gpu::Buffer& composed_depths_m() const { return depths_m_; }
 
-  /// Records, after a barrier, the cast of the marked pixels into `resources.target`, for which
-  /// CastPipeline::set_eye was called with grid(); of the marked rays of an atlas, and its closing, after
-  /// set_eye with the atlas' grid, which `resources` have.
-  void record(gpu::CommandList& commands, const CastPipeline::Resources& resources) const;
+  /// Record, after a barrier, what comes before and after the cast of area() with pipeline(): rays for the
+  /// marked pixels alone, and these in `resources.target`, for which CastPipeline::set_eye was called with
+  /// grid(); of the marked rays of an atlas, and its closing, after set_eye with the atlas' grid, which
+  /// `resources` have.
+  void record_opening(gpu::CommandList& commands, const CastPipeline::Resources& resources) const;
+  void record_closing(gpu::CommandList& commands, const CastPipeline::Resources& resources) const;
+  CastArea area(const CastPipeline::Resources& resources) const;
+  const CastPipeline& pipeline() const { return pipeline_; }
   RayGrid grid() const { return {across_, down_}; }
 
   WorkCounts counted() const { return pipeline_.counted(device_); }
   void reset_counters() const { pipeline_.reset_counters(device_); }
 
  private:
+  void run(gpu::CommandList& commands, const gpu::ComputePipeline& pipeline,
+           const CastPipeline::Resources& resources) const;
+
   const gpu::Device& device_;
   int across_, down_;
   Of of_;

@@ -143,7 +143,7 @@ static brace_result cast_execute(void* object, const brace_cast_frame* frame) {
   return BRACE_OK;
 }
 
-static const brace_cast_functions cast_functions = {sizeof cast_functions, NULL, cast_execute};
+static const brace_cast_functions cast_functions = {sizeof cast_functions, NULL, cast_execute, 0};
 
 /* ---- skip: everything is occupied; BROKEN_IGNORES_OPAQUE says that nothing is ---- */
 

@@ -230,7 +230,7 @@ const brace_param params[] = {
      "A ray ends when it is this opaque; 1 lets every ray run through", 0.01, 1.0, 0.99, nullptr},
 };
 
-const brace_cast_functions functions = {sizeof functions, nullptr, execute};
+const brace_cast_functions functions = {sizeof functions, nullptr, execute, 0};
 
 const brace_stage_descriptor descriptor = {
     sizeof descriptor,

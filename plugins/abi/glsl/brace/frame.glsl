@@ -17,6 +17,8 @@
 #define BRACE_SLOT_TRANSFER_INTEGRALS 40  // texel buffer: see transfer_integral.glsl
 #define BRACE_SLOT_TRANSFER_SEGMENTS 41   // texel buffer: the two-dimensional table of the same
 // 42 and 43 are those of levels.glsl.
+#define BRACE_SLOT_SEGMENT_HEADS 44  // storage: what rays leave, where a cast on the host tells
+#define BRACE_SLOT_SEGMENTS 45       // storage: six floats per segment (brace_segment)
 // 10 … 15 belong to the skip stage, 16 … 23 to the stereo stage, 24 … 31 to the rays stage, 32 … 39 to the warp stage.
 
 layout(std140, set = 0, binding = BRACE_SLOT_EYE) uniform BraceEyeBlock { BraceEyeParams brace_eye; };

@@ -187,7 +187,7 @@ static const char* last_error(void* self) {
   return ((const stage*)self)->error;
 }
 
-static const brace_cast_functions functions = {sizeof functions, NULL, execute};
+static const brace_cast_functions functions = {sizeof functions, NULL, execute, 0};
 
 static const brace_stage_descriptor descriptor = {sizeof descriptor,
                                                   BRACE_KIND_CAST,
