@@ -2,7 +2,7 @@
 # systems of stage authors look for. The installed tree may be moved as a whole.
 include(CMakePackageConfigHelpers)
 
-install(FILES plugins/abi/brace_stage.h plugins/abi/glsl/brace/eye_params.h DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/brace)
+install(FILES plugins/abi/brace_stage.h plugins/abi/brace_segments.h plugins/abi/glsl/brace/eye_params.h DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/brace)
 install(DIRECTORY DESTINATION ${CMAKE_INSTALL_LIBDIR}/brace/plugins)
 
 # Brace::stage, what a native stage compiles with.
@@ -30,7 +30,7 @@ configure_file(cmake/install/brace.pc.in ${PROJECT_BINARY_DIR}/install/brace.pc 
 install(FILES ${PROJECT_BINARY_DIR}/install/brace.pc DESTINATION ${CMAKE_INSTALL_LIBDIR}/pkgconfig)
 
 # The build tree is a prefix as well: who runs bin/brace from it can build stages against it.
-foreach(header brace_stage.h glsl/brace/eye_params.h)
+foreach(header brace_stage.h brace_segments.h glsl/brace/eye_params.h)
   get_filename_component(header_name ${header} NAME)
   file(MAKE_DIRECTORY ${PROJECT_BINARY_DIR}/${CMAKE_INSTALL_INCLUDEDIR}/brace)
   file(CREATE_LINK ${PROJECT_SOURCE_DIR}/plugins/abi/${header}

@@ -240,31 +240,7 @@ typedef enum brace_skip_map {
   BRACE_SKIP_MAP_OCTREE = 3     /* skip/octree: a bit-field per node */
 } brace_skip_map;
 
-/* A stretch of a ray in which something is visible, as brace/emit.glsl tells of it. Frozen. */
-typedef struct brace_segment {
-  float begin_units, end_units; /* from the ray's entry; begin < end */
-  float red, green, blue;       /* not premultiplied */
-  float optical_depth;          /* in powers of two: the segment's transmittance is 2^-optical_depth */
-} brace_segment;
-
-/* All that one ray leaves. Frozen. */
-typedef struct brace_ray_segments {
-  uint32_t ray;                  /* its index */
-  uint32_t count;                /* of segments; may be 0 */
-  float end_units;               /* the ray's length, or where it was ended early */
-  const brace_segment* segments; /* front to back; null if there are none */
-} brace_ray_segments;
-
-/* Where a cast on the host tells of segments. */
-typedef struct brace_segment_sink {
-  uint32_t struct_size;
-  void* host_context; /* the host's own */
-  /* Copies what `count` rays leave. Each ray of the area whose length is above 0 is told of once, the others
-   * never. Thread: any, also several at once. What it returns other than BRACE_OK, execute returns as well.
-   */
-  brace_result (*take)(const struct brace_segment_sink* sink, const brace_ray_segments* rays, uint32_t count);
-} brace_segment_sink;
-
+#include "brace_segments.h"
 /* One eye of one eye frame between the braces. The layouts are those of brace/ray_buffers.glsl and
  * brace/eye_params.h:
  *   params            BraceEyeParams (160 bytes)
@@ -327,9 +303,7 @@ typedef struct brace_cast_functions {
    * Thread: frame thread; the stage may use threads of its own that it joins or parks before it returns.
    * State: active. Does not allocate, but for segments that frame->segments asks for. */
   brace_result (*execute)(void* self, const brace_cast_frame* frame);
-  /* Since 1.2. Not 0: execute tells frame->segments of every segment it has integrated, for stages that make
-   * layers of them (stereo, warp). */
-  uint32_t gives_segments;
+  uint32_t gives_segments; /* since 1.2; not 0: execute tells frame->segments of what it integrates */
 } brace_cast_functions;
 
 /* skip: a distance map over blocks of voxels, which the public hook brace/skip_distance.glsl reads. A byte

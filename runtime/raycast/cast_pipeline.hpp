@@ -38,8 +38,8 @@ struct CastParts {
   /// Native stages stand in their place: no kernels are composed, and the pipeline must not record them.
   bool native_rays = false, native_cast = false;
   bool replays_segments = false;  // of a native cast on the host: SegmentReplay
-  bool layers_by_ray = false;   // closing tells which ray's layers stand for a pixel
-  SampledShading sampled = {};  // instead of phong
+  bool layers_by_ray = false;     // closing tells which ray's layers stand for a pixel
+  SampledShading sampled = {};    // instead of phong
 };
 
 /// Kernels whose place native stages take have an empty text.
