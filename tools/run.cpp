@@ -115,7 +115,8 @@ ReplayOptions replay_options(const StageRegistry& stages, const std::string& gpu
           .version = BRACE_VERSION,
           .no_warp = {stages.find("warp", "none", "built in"), {}},
           .full_rate = {stages.find("rays", "full_rate", "built in"), {}},
-          .interrupted = interrupted};
+          .interrupted = interrupted,
+          .measurements = std::make_shared<gpu::Measurements>()};
 }
 
 int run_command(const RunCommand& command) {

@@ -152,6 +152,8 @@ void load(const SeriesWorkInputs& in, SeriesWork& work) {
   work.scene = load_scene(*in.device, in.session, in.options, in.headset, in.placement);
   if (work.scene->skip) work.facts.push_back({"skip memory", work.scene->skip_memory});
   work.facts.push_back({"volume path", work.scene->volume.path_reason()});
+  if (const std::string& figures = work.scene->volume.path_figures(); !figures.empty())
+    work.host_facts.push_back({"volume path", figures});
   if (work.scene->levels) work.facts.push_back({"volume levels", work.scene->levels->summary()});
   for (const std::string& note : work.scene->volume.info().notes)
     work.facts.push_back({"volume", note});
