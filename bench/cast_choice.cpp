@@ -1,21 +1,40 @@
 #include "bench/cast_choice.hpp"
 
 #include <algorithm>
+#include <system_error>
+#include <thread>
 
 #include <fmt/format.h>
 
 #include "base/error.hpp"
 #include "bench/eye_rig.hpp"
+#include "runtime/gpu/shader_compiler.hpp"
 
 namespace brace {
 
 namespace {
 
 constexpr int frames_timed = 5;
+constexpr double clearly_faster = 1.1;  // less is noise
 
-bool is_there(const StageRegistry& stages, const std::string& name) {
-  return std::any_of(stages.stages().begin(), stages.stages().end(),
-                     [&](const StageInfo& stage) { return stage.family == "cast" && stage.name == name; });
+const StageInfo* find_cast(const StageRegistry& registry, const std::string& name) {
+  for (const StageInfo& stage : registry.stages())
+    if (stage.family == "cast" && stage.name == name) return &stage;
+  return nullptr;
+}
+
+/// What their speed depends on beside the device: dvr's snippets, native's library and its threads.
+std::string texts_of_casts(const StageRegistry& stages) {
+  std::string texts = fmt::format("{} host threads", std::thread::hardware_concurrency());
+  if (const StageInfo* dvr = find_cast(stages, "dvr"))
+    texts += ", dvr " + gpu::kernel_key({gpu::read_glsl(dvr->glsl_source), {}, {}, {}});
+  if (const StageInfo* native = find_cast(stages, "native")) {
+    std::error_code gone;
+    const auto written = std::filesystem::last_write_time(native->origin, gone).time_since_epoch();
+    texts += fmt::format(", native {} {} bytes {}", native->version,
+                         std::filesystem::file_size(native->origin, gone), written.count());
+  }
+  return texts;
 }
 
 double shortest_frame_ms(const gpu::Device& device, const StageRegistry& stages,
@@ -35,19 +54,24 @@ double shortest_frame_ms(const gpu::Device& device, const StageRegistry& stages,
 
 }  // namespace
 
-std::vector<CastTime> time_casts(const gpu::Device& device, const StageRegistry& stages,
-                                 const std::filesystem::path& data_folder) {
-  std::vector<CastTime> times;
+CastChoice choose_cast(const gpu::Device& device, const StageRegistry& stages,
+                       const std::filesystem::path& data_folder, gpu::Measurements& measurements) {
+  gpu::Comparison casts{"raycaster", texts_of_casts(stages), {}};
   for (const char* cast : {"dvr", "native"})
-    if (is_there(stages, cast)) times.push_back({cast, shortest_frame_ms(device, stages, data_folder, cast)});
-  return times;
-}
-
-std::string recommended_cast(const gpu::Device& device, const std::vector<CastTime>& times) {
-  if (!device.info().limits.is_software || times.empty()) return "dvr";
-  return std::min_element(times.begin(), times.end(),
-                          [](const CastTime& a, const CastTime& b) { return a.frame_ms < b.frame_ms; })
-      ->cast;
+    if (find_cast(stages, cast) != nullptr) casts.rivals.emplace_back(cast);
+  const gpu::Measurement& measured = measurements.get(device.info(), casts, [&] {
+    std::vector<double> times_ms;
+    for (const std::string& cast : casts.rivals)
+      times_ms.push_back(shortest_frame_ms(device, stages, data_folder, cast));
+    return times_ms;
+  });
+  CastChoice choice{"dvr", {}, measured.origin()};
+  for (std::size_t i = 0; i < casts.rivals.size(); ++i)
+    choice.times.push_back({casts.rivals[i], measured.times_ms[i]});
+  const bool native_wins = device.info().limits.is_software && choice.times.size() == 2 &&
+                           choice.times[1].frame_ms * clearly_faster < choice.times[0].frame_ms;
+  if (native_wins) choice.cast = "native";
+  return choice;
 }
 
 }  // namespace brace

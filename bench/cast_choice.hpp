@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "runtime/gpu/device.hpp"
+#include "runtime/gpu/measurements.hpp"
 #include "runtime/host/stage_registry.hpp"
 
 namespace brace {
@@ -15,12 +16,16 @@ struct CastTime {
   double frame_ms = 0.0;  // both eyes, shortest of some frames
 };
 
-/// Times those of cast/dvr and cast/native that there are on one small scene, with skipping: a second on two
-/// cores.
-std::vector<CastTime> time_casts(const gpu::Device& device, const StageRegistry& stages,
-                                 const std::filesystem::path& data_folder);
+/// The raycaster for a device.
+struct CastChoice {
+  std::string cast;             // "native" where it is clearly faster on a software device, else "dvr"
+  std::vector<CastTime> times;  // of those there are
+  std::string origin;           // of the times: when they were measured
+};
 
-/// The rule for pipeline.cast: cast/dvr on a GPU; on a software device whichever is faster here.
-std::string recommended_cast(const gpu::Device& device, const std::vector<CastTime>& times);
+/// Times cast/dvr and, where it is there, cast/native on one small scene, with skipping: a second on two
+/// cores, once per device, driver, host threads and text of either, as long as `measurements` keeps it.
+CastChoice choose_cast(const gpu::Device& device, const StageRegistry& stages,
+                       const std::filesystem::path& data_folder, gpu::Measurements& measurements);
 
 }  // namespace brace

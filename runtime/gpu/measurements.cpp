@@ -115,7 +115,9 @@ const Measurement& Measurements::get(const DeviceInfo& device, const Comparison&
     if (std::optional<Measurement> kept = read_measurement(path, conditions, wanted))
       return known_.emplace(key, std::move(*kept)).first->second;
   Measurement measured;
-  measured.times_ms = measure();
+  for (const double time_ms : measure())
+    measured.times_ms.push_back(std::round(time_ms * 1e6) /
+                                1e6);  // nanoseconds: the same here and in the file
   measured.day = today();
   if (!are_times(measured.times_ms, wanted.rivals.size()))
     throw device_error("{}: {} gives no times that can be compared", wanted.what, device.name);

@@ -4,6 +4,7 @@
 #include <array>
 #include <limits>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include <fmt/format.h>
@@ -145,12 +146,14 @@ VolumePathChoice faster_path(const gpu::Device& device, const gpu::Measurement& 
   const VolumePath other = kPaths[1 - at(usual)];
   const double usual_ms = measured.times_ms[at(usual)], other_ms = measured.times_ms[at(other)];
   const bool other_wins = other_ms * kClearlyFaster < usual_ms;
+  const bool close = !other_wins && other_ms < usual_ms * kClearlyFaster;
   const VolumePath taken = other_wins ? other : usual;
-  const double ratio = other_wins ? usual_ms / other_ms : other_ms / usual_ms;
+  const auto [taken_ms, left_ms] = other_wins ? std::pair(other_ms, usual_ms) : std::pair(usual_ms, other_ms);
   return {taken, fmt::format("{}: chosen by measurement on {}", to_string(taken), device.info().name),
-          fmt::format("{} is {:.2f} x as fast as {}: {:.2f} ms, {:.2f} ms ({})", to_string(taken), ratio,
-                      to_string(other_wins ? usual : other), other_wins ? other_ms : usual_ms,
-                      other_wins ? usual_ms : other_ms, measured.origin())};
+          fmt::format("{} is {:.2f} x as fast as {}{}: {:.2f} ms, {:.2f} ms ({})", to_string(taken),
+                      left_ms / taken_ms, to_string(other_wins ? usual : other),
+                      close ? ", close enough to leave what is usual" : "", taken_ms, left_ms,
+                      measured.origin())};
 }
 
 }  // namespace

@@ -169,12 +169,7 @@ bool needs_device(const Session& session) {
 SeriesWork make_work(const SeriesWorkInputs& in) {
   const Session& session = in.session;
   SeriesWork work;
-  if (session.pipeline.at("schedule").stage.id() == "schedule/chunked") {
-    require_cells(session);
-    require_cell_poses(session);
-  }
-  if (session.pipeline.at("skip").stage.id() == "skip/occlusion") require_occlusion(session);
-  if (wants_levels(session.pipeline.at("cast"))) require_levels(session);
+  require_agreement(session);
   announce_rays(in, work);
   if (in.device != nullptr && needs_device(session)) load(in, work);
   if (work.scene && session.run.watchdog != WatchdogLevel::off) {

@@ -11,6 +11,7 @@
 #include "runtime/replay/series_facts.hpp"
 #include "runtime/timeline/wall_clock.hpp"
 #include "runtime/volume/write_transfer_function.hpp"
+#include "tools/choose_cast.hpp"
 #include "tools/command.hpp"
 #include "tools/interrupt.hpp"
 #include "tools/live/head_readings.hpp"
@@ -415,6 +416,14 @@ int live_command(const LiveCommand& command) {
   const Stages first_stages = make_stages(command.plugin_path);
   warn_of_broken(first_stages.plugins);
   Overrides overrides = parse_settings(command.set);
+  const SessionReader read = [&](const Overrides& more) {
+    Overrides all = overrides;
+    all.insert(all.end(), more.begin(), more.end());
+    return read_session(command.session, all, first_stages.registry);
+  };
+  for (const auto& setting :
+       choose_cast(read, first_stages.registry, replay_options(first_stages.registry, command.gpu)).settings)
+    overrides.push_back(setting);
   const Session session = first_session(command, overrides, first_stages.registry);
   Overlay overlay;
   LiveWindow window(command.window_px[0], command.window_px[1], "brace live: " + session.name);
