@@ -4,9 +4,9 @@
 #include <nlohmann/json.hpp>
 
 #include "base/error.hpp"
-#include "bench/cast_choice.hpp"
 #include "runtime/gpu/device.hpp"
 #include "runtime/gpu/shader_compiler.hpp"
+#include "runtime/plan/cast_choice.hpp"
 #include "runtime/raycast/path_choice.hpp"
 #include "tools/command.hpp"
 

@@ -3,8 +3,8 @@
 
 #include "base/error.hpp"
 #include "base/suggest.hpp"
+#include "runtime/plan/auto_cast.hpp"
 #include "runtime/plan/plan.hpp"
-#include "tools/choose_cast.hpp"
 #include "tools/command.hpp"
 #include "tools/interrupt.hpp"
 
@@ -45,7 +45,7 @@ std::vector<LabelledSession> sessions_of(const RunCommand& command, const StageR
     };
   };
   const auto prepared = [&](const std::string& label, Overrides settings) {
-    const CastDecision cast = choose_cast(reader(settings), stages, options);
+    const CastDecision cast = decide_cast(reader(settings), stages, options);
     if (!cast.reason.empty() && options.messages) fmt::print(stderr, "cast/auto: {}\n", cast.reason);
     settings.insert(settings.end(), cast.settings.begin(), cast.settings.end());
     LabelledSession session = planned(label, reader(settings), options);

@@ -8,10 +8,10 @@
 
 #include "base/error.hpp"
 #include "runtime/mab/mab_plan.hpp"
+#include "runtime/plan/auto_cast.hpp"
 #include "runtime/replay/series_facts.hpp"
 #include "runtime/timeline/wall_clock.hpp"
 #include "runtime/volume/write_transfer_function.hpp"
-#include "tools/choose_cast.hpp"
 #include "tools/command.hpp"
 #include "tools/interrupt.hpp"
 #include "tools/live/head_readings.hpp"
@@ -422,7 +422,7 @@ int live_command(const LiveCommand& command) {
     return read_session(command.session, all, first_stages.registry);
   };
   for (const auto& setting :
-       choose_cast(read, first_stages.registry, replay_options(first_stages.registry, command.gpu)).settings)
+       decide_cast(read, first_stages.registry, replay_options(first_stages.registry, command.gpu)).settings)
     overrides.push_back(setting);
   const Session session = first_session(command, overrides, first_stages.registry);
   Overlay overlay;

@@ -1,12 +1,11 @@
-#include "tools/choose_cast.hpp"
+#include "runtime/plan/auto_cast.hpp"
 
 #include <algorithm>
-#include <optional>
 
 #include <fmt/format.h>
 
 #include "base/error.hpp"
-#include "bench/cast_choice.hpp"
+#include "runtime/plan/cast_choice.hpp"
 #include "runtime/replay/series_work.hpp"
 #include "runtime/replay/stage_conflicts.hpp"
 
@@ -14,11 +13,11 @@ namespace brace {
 
 namespace {
 
-CastDecision take(const char* cast, const std::string& reason) {
+CastDecision take_cast(const char* cast, const std::string& reason) {
   return {{{"pipeline.cast", cast}}, fmt::format("{}: {}", cast, reason)};
 }
 
-bool has(const StageInfo& stage, const std::string& parameter) {
+bool has_parameter(const StageInfo& stage, const std::string& parameter) {
   return std::any_of(stage.parameters.begin(), stage.parameters.end(),
                      [&](const StageParameter& one) { return one.name == parameter; });
 }
@@ -29,7 +28,7 @@ Overrides settings_for_native(const PipelineStage& dvr, const StageInfo& native)
   for (std::size_t i = 0; i < dvr.values.size(); ++i) {
     const StageParameter& parameter = dvr.stage.parameters[i];
     if (dvr.values[i] == parameter.default_value) continue;
-    if (!has(native, parameter.name) || parameter.type == ParameterType::choice)
+    if (!has_parameter(native, parameter.name) || parameter.type == ParameterType::choice)
       throw input_error("{} has no setting '{}', which the session sets", native.id(), parameter.name);
     settings.emplace_back("stage.native." + parameter.name, fmt::format("{}", dvr.values[i]));
   }
@@ -44,11 +43,11 @@ std::string measured_reason(const CastChoice& choice, const std::string& device)
 
 }  // namespace
 
-CastDecision choose_cast(const SessionReader& read, const StageRegistry& stages,
+CastDecision decide_cast(const SessionReader& read, const StageRegistry& stages,
                          const ReplayOptions& options) {
   const Session session = read({});
   if (!session.cast_is_open) return {};
-  if (!needs_device(session)) return take("dvr", "nothing is cast");
+  if (!needs_device(session)) return take_cast("dvr", "nothing is cast");
   Overrides native = {{"pipeline.cast", "native"}};
   try {
     const StageInfo& stage = stages.find("cast", "native", "pipeline.cast = 'auto'");
@@ -56,14 +55,14 @@ CastDecision choose_cast(const SessionReader& read, const StageRegistry& stages,
       native.push_back(setting);
     require_agreement(read(native));
   } catch (const Error& error) {
-    return take("dvr", error.what());
+    return take_cast("dvr", error.what());
   }
   const gpu::Device device({.select = options.gpu});
-  if (!device.info().limits.is_software) return take("dvr", "on a GPU");
+  if (!device.info().limits.is_software) return take_cast("dvr", "on a GPU");
   gpu::Measurements here;
   const CastChoice choice =
       choose_cast(device, stages, options.data_folder, options.measurements ? *options.measurements : here);
-  CastDecision decision = take(choice.cast.c_str(), measured_reason(choice, device.info().name));
+  CastDecision decision = take_cast(choice.cast.c_str(), measured_reason(choice, device.info().name));
   if (choice.cast == "native") decision.settings = native;
   return decision;
 }

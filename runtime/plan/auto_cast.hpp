@@ -14,9 +14,9 @@ struct CastDecision {
 };
 
 /// cast/native where it is installed, has what the session sets, works with its other stages and is clearly
-/// faster by measurement (bench/cast_choice.hpp); else, and on every GPU, cast/dvr. What the session sets for
+/// faster by measurement (cast_choice.hpp); else, and on every GPU, cast/dvr. What the session sets for
 /// cast/dvr goes for either. `read` reads the session with more settings.
-CastDecision choose_cast(const SessionReader& read, const StageRegistry& stages,
+CastDecision decide_cast(const SessionReader& read, const StageRegistry& stages,
                          const ReplayOptions& options);
 
 }  // namespace brace

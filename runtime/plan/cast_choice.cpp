@@ -1,4 +1,4 @@
-#include "bench/cast_choice.hpp"
+#include "runtime/plan/cast_choice.hpp"
 
 #include <algorithm>
 #include <system_error>
@@ -7,8 +7,8 @@
 #include <fmt/format.h>
 
 #include "base/error.hpp"
-#include "bench/eye_rig.hpp"
 #include "runtime/gpu/shader_compiler.hpp"
+#include "runtime/replay/eye_rig.hpp"
 
 namespace brace {
 
@@ -24,10 +24,12 @@ const StageInfo* find_cast(const StageRegistry& registry, const std::string& nam
 }
 
 /// What their speed depends on beside the device: dvr's snippets, native's library and its threads.
-std::string texts_of_casts(const StageRegistry& stages) {
+std::string texts_of_casts(const StageRegistry& stages, const std::filesystem::path& data_folder) {
   std::string texts = fmt::format("{} host threads", std::thread::hardware_concurrency());
-  if (const StageInfo* dvr = find_cast(stages, "dvr"))
-    texts += ", dvr " + gpu::kernel_key({gpu::read_glsl(dvr->glsl_source), {}, {}, {}});
+  if (const StageInfo* dvr = find_cast(stages, "dvr")) {
+    const auto beside = gpu::directory_resolver({dvr->glsl_source.parent_path(), data_folder / "glsl"});
+    texts += ", dvr " + gpu::kernel_key({gpu::read_glsl(dvr->glsl_source), beside, {}, {}});
+  }
   if (const StageInfo* native = find_cast(stages, "native")) {
     std::error_code gone;
     const auto written = std::filesystem::last_write_time(native->origin, gone).time_since_epoch();
@@ -56,7 +58,7 @@ double shortest_frame_ms(const gpu::Device& device, const StageRegistry& stages,
 
 CastChoice choose_cast(const gpu::Device& device, const StageRegistry& stages,
                        const std::filesystem::path& data_folder, gpu::Measurements& measurements) {
-  gpu::Comparison casts{"raycaster", texts_of_casts(stages), {}};
+  gpu::Comparison casts{"raycaster", texts_of_casts(stages, data_folder), {}};
   for (const char* cast : {"dvr", "native"})
     if (find_cast(stages, cast) != nullptr) casts.rivals.emplace_back(cast);
   const gpu::Measurement& measured = measurements.get(device.info(), casts, [&] {
