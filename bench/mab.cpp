@@ -10,10 +10,10 @@
 
 #include "base/error.hpp"
 #include "base/suggest.hpp"
-#include "bench/eye_rig.hpp"
 #include "bench/median.hpp"
 #include "runtime/metrics/image_error.hpp"
 #include "runtime/replay/eye_renderer.hpp"
+#include "runtime/replay/eye_rig.hpp"
 #include "runtime/replay/gaze_source.hpp"
 #include "runtime/replay/panel_display.hpp"
 #include "runtime/replay/replay.hpp"

@@ -7,11 +7,11 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "bench/eye_rig.hpp"
 #include "bench/median.hpp"
 #include "runtime/metrics/image_error.hpp"
 #include "runtime/metrics/pacing.hpp"
 #include "runtime/plan/trial.hpp"
+#include "runtime/replay/eye_rig.hpp"
 #include "runtime/replay/panel_display.hpp"
 
 namespace brace {

@@ -15,6 +15,7 @@
 #include "runtime/host/stage_glsl.hpp"
 #include "runtime/host/stage_registry.hpp"
 #include "runtime/raycast/native_steps.hpp"
+#include "runtime/raycast/path_choice.hpp"
 #include "runtime/skip/skip_structure.hpp"
 
 namespace brace {
@@ -74,7 +75,7 @@ TransferTable scene_table(const TransferFunction& function) {
 
 /// The scene's volume on one data path.
 struct SceneVolume {
-  SceneVolume(const gpu::Device& device, VolumePath path) : scan(VoxelType::uint8) {
+  SceneVolume(const gpu::Device& device, const VolumePathChoice& path) : scan(VoxelType::uint8) {
     const auto source = open_scene_volume();
     volume = VolumeOnDevice(device, *source, path, &scan);
     statistics = scan.result();
@@ -235,12 +236,18 @@ RaycastBenchResult bench_raycast(const RaycastBenchOptions& options) {
   result.repetitions = options.repetitions;
   result.size_px = options.size_px;
 
-  const SceneVolume chosen(device, VolumePath::automatic);
+  gpu::Measurements measurements;
+  const VolumeInfo info = open_scene_volume()->info();
+  const SceneVolume chosen(
+      device, choose_volume_path(device, info, VolumePath::automatic, options.data_folder, measurements));
   const bool is_packed = chosen.volume.path() == VolumePath::packed;
-  const SceneVolume other(device, is_packed ? VolumePath::sampler : VolumePath::packed);
+  const SceneVolume other(device, choose_volume_path(info, device.limits(),
+                                                     is_packed ? VolumePath::sampler : VolumePath::packed));
   result.zero_voxels_ratio =
       static_cast<double>(chosen.statistics.counts[0]) / static_cast<double>(chosen.statistics.voxels);
   result.path_reason = chosen.volume.path_reason();
+  if (const std::string& figures = chosen.volume.path_figures(); !figures.empty())
+    result.path_reason += "; " + figures;
 
   std::vector<Renderer> renderers = {{chosen}, {other}, {chosen, SkipKind::distance_map}};
   if (const StageInfo* native = find_native(options.stages)) {

@@ -10,9 +10,9 @@
 
 #include "base/error.hpp"
 #include "base/suggest.hpp"
-#include "bench/eye_rig.hpp"
 #include "bench/median.hpp"
 #include "runtime/metrics/image_error.hpp"
+#include "runtime/replay/eye_rig.hpp"
 #include "runtime/timeline/cost_source.hpp"
 
 namespace brace {

@@ -99,6 +99,7 @@ int list_command(const ListCommand& command);
 
 struct DoctorCommand {
   std::string gpu;
+  bool measure_again = false;  // instead of showing what is kept
   bool json = false;
 };
 int doctor_command(const DoctorCommand& command);

@@ -4,9 +4,10 @@
 #include <nlohmann/json.hpp>
 
 #include "base/error.hpp"
-#include "bench/cast_choice.hpp"
 #include "runtime/gpu/device.hpp"
 #include "runtime/gpu/shader_compiler.hpp"
+#include "runtime/plan/cast_choice.hpp"
+#include "runtime/raycast/path_choice.hpp"
 #include "tools/command.hpp"
 
 namespace brace {
@@ -59,19 +60,47 @@ std::vector<Check> check_vulkan(const std::string& gpu) {
 }
 
 /// Which raycaster is the one to name in pipeline.cast here: measured, for without a GPU it is not plain.
-Check check_casts(const std::string& gpu) {
+Check check_casts(const std::string& gpu, gpu::Measurements& measurements) {
   try {
     const gpu::Device device(gpu::DeviceOptions{.select = gpu});
-    const std::vector<CastTime> times = time_casts(device, make_stages({}).registry, data_folder());
-    const std::string best = recommended_cast(device, times);
-    std::string found = fmt::format("pipeline.cast = \"{}\" on {}", best,
+    const CastChoice choice = choose_cast(device, make_stages({}).registry, data_folder(), measurements);
+    std::string found = fmt::format("pipeline.cast = \"{}\" on {}", choice.cast,
                                     device.info().limits.is_software ? "this software device" : "this GPU");
-    for (const CastTime& time : times)
+    for (const CastTime& time : choice.times)
       found += fmt::format("; {} {:.1f} ms", time.cast, time.frame_ms);
-    return {"raycaster", true, found};
+    return {"raycaster", true, found + fmt::format(" ({})", choice.origin)};
   } catch (const Error& e) {
     return {"raycaster", false, e.what()};
   }
+}
+
+/// How cast/dvr reads volumes that fit either way on each device.
+std::vector<Check> check_data_paths(gpu::Measurements& measurements) {
+  std::vector<Check> checks;
+  try {
+    for (const gpu::DeviceInfo& info : gpu::list_devices()) {
+      if (!info.missing.empty()) continue;
+      const gpu::Device device(gpu::DeviceOptions{.select = std::to_string(info.index)});
+      for (const auto& [type, name] : {std::pair(VoxelType::uint8, "8 bit"),
+                                       {VoxelType::uint16, "16 bit"},
+                                       {VoxelType::float32, "float"}}) {
+        VolumeInfo volume;
+        volume.dims = {64, 64, 64};
+        volume.type = type;
+        const VolumePathChoice choice =
+            choose_volume_path(device, volume, VolumePath::automatic, data_folder(), measurements);
+        checks.push_back({fmt::format("data path {}, {}", info.index, name), true,
+                          choice.figures.empty() ? choice.reason : choice.figures});
+      }
+    }
+  } catch (const Error& e) {
+    checks.push_back({"data path", false, e.what()});
+  }
+  return checks;
+}
+
+std::string or_off(const std::filesystem::path& folder) {
+  return folder.empty() ? "off: neither XDG_CACHE_HOME nor HOME is set" : folder.string();
 }
 
 }  // namespace
@@ -80,10 +109,14 @@ int doctor_command(const DoctorCommand& command) {
   std::vector<Check> checks = {check_data_folder(), check_stages()};
   for (Check& check : check_vulkan(command.gpu))
     checks.push_back(std::move(check));
-  checks.push_back(check_casts(command.gpu));
-  const std::filesystem::path cache = gpu::default_cache_folder();
-  checks.push_back(
-      {"kernel cache", true, cache.empty() ? "off: neither XDG_CACHE_HOME nor HOME is set" : cache.string()});
+  gpu::Measurements measurements(gpu::default_measurement_folder(), command.measure_again
+                                                                        ? gpu::Measurements::Use::anew
+                                                                        : gpu::Measurements::Use::kept);
+  for (Check& check : check_data_paths(measurements))
+    checks.push_back(std::move(check));
+  checks.push_back(check_casts(command.gpu, measurements));
+  checks.push_back({"kernel cache", true, or_off(gpu::default_cache_folder())});
+  checks.push_back({"measurements", true, or_off(gpu::default_measurement_folder())});
   checks.push_back({"host threads", true, std::to_string(std::thread::hardware_concurrency())});
 
   bool ok = true;
@@ -94,7 +127,7 @@ int doctor_command(const DoctorCommand& command) {
     ok = ok && (check.ok || listed_only);
     json["checks"].push_back({{"name", check.name}, {"ok", check.ok}, {"found", check.found}});
     if (!command.json)
-      fmt::print("{:<5} {:<18} {}\n", check.ok ? "ok" : (listed_only ? "-" : "FAIL"), check.name,
+      fmt::print("{:<5} {:<20} {}\n", check.ok ? "ok" : (listed_only ? "-" : "FAIL"), check.name,
                  check.found);
   }
   json["ok"] = ok;

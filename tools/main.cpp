@@ -176,6 +176,8 @@ void add_list(CLI::App& app, ListCommand& command, Action& action) {
 void add_doctor(CLI::App& app, DoctorCommand& command, Action& action) {
   CLI::App* doctor = app.add_subcommand("doctor", "Check this machine: Vulkan devices, data files, caches");
   add_gpu_option(*doctor, command.gpu);
+  doctor->add_flag("--measure-again", command.measure_again,
+                   "Measure data paths and raycasters anew instead of showing what is kept");
   doctor->add_flag("--json", command.json, "Print JSON");
   doctor->footer("Example:\n  brace doctor");
   doctor->callback([&] { action = [&] { return doctor_command(command); }; });

@@ -1,6 +1,7 @@
 #include <fmt/core.h>
 
 #include "base/error.hpp"
+#include "runtime/plan/auto_cast.hpp"
 #include "runtime/plan/plan_check.hpp"
 #include "runtime/plan/plan_text.hpp"
 #include "tools/command.hpp"
@@ -26,6 +27,8 @@ int plan_command(const PlanCommand& command) {
     throw input_error("{}: has a [compare] section; a plan is made for one pipeline: choose with --set",
                       command.session.string());
   const ReplayOptions options = replay_options(stages, command.gpu);
+  for (const auto& setting : decide_cast(read, stages, options).settings)
+    overrides.push_back(setting);
   PlanTrials trials(options);
   const Plan plan = make_plan(read, trials);
   if (!command.check) {

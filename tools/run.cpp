@@ -3,6 +3,7 @@
 
 #include "base/error.hpp"
 #include "base/suggest.hpp"
+#include "runtime/plan/auto_cast.hpp"
 #include "runtime/plan/plan.hpp"
 #include "tools/command.hpp"
 #include "tools/interrupt.hpp"
@@ -43,14 +44,22 @@ std::vector<LabelledSession> sessions_of(const RunCommand& command, const StageR
       return read_session(command.session, all, stages);
     };
   };
+  const auto prepared = [&](const std::string& label, Overrides settings) {
+    const CastDecision cast = decide_cast(reader(settings), stages, options);
+    if (!cast.reason.empty() && options.messages) fmt::print(stderr, "cast/auto: {}\n", cast.reason);
+    settings.insert(settings.end(), cast.settings.begin(), cast.settings.end());
+    LabelledSession session = planned(label, reader(settings), options);
+    session.session.cast_reason = cast.reason;
+    return session;
+  };
   const Overrides overrides = overrides_of(command);
   const Session session = read_session(command.session, overrides, stages);
-  if (session.compare.empty()) return {planned("", reader(overrides), options)};
+  if (session.compare.empty()) return {prepared("", overrides)};
   std::vector<LabelledSession> sessions;
   for (const Session::Case& one : session.compare) {
     Overrides settings = overrides;
     settings.insert(settings.end(), one.settings.begin(), one.settings.end());
-    sessions.push_back(planned(one.label, reader(settings), options));
+    sessions.push_back(prepared(one.label, settings));
   }
   return sessions;
 }
@@ -115,7 +124,8 @@ ReplayOptions replay_options(const StageRegistry& stages, const std::string& gpu
           .version = BRACE_VERSION,
           .no_warp = {stages.find("warp", "none", "built in"), {}},
           .full_rate = {stages.find("rays", "full_rate", "built in"), {}},
-          .interrupted = interrupted};
+          .interrupted = interrupted,
+          .measurements = std::make_shared<gpu::Measurements>()};
 }
 
 int run_command(const RunCommand& command) {

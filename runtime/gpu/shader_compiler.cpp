@@ -138,6 +138,10 @@ std::string compiler_version() {
 
 }  // namespace
 
+std::string kernel_key(const KernelDescription& kernel) {
+  return content_key(kernel, find_includes(kernel), compiler_version());
+}
+
 CompiledKernel compile(const KernelDescription& kernel, const CompileOptions& options) {
   const IncludeClosure includes = find_includes(kernel);
   const std::filesystem::path folder =

@@ -69,6 +69,9 @@ struct CompiledKernel {
 /// "name:line: message" lines, where name is the included source's and line its own.
 CompiledKernel compile(const KernelDescription& kernel, const CompileOptions& options = {});
 
+/// The key of the cache: a hash of the text of everything that goes in, 32 hexadecimal digits.
+std::string kernel_key(const KernelDescription& kernel);
+
 std::filesystem::path default_cache_folder();
 
 /// Looks `name` up in the folders in order. Names with ".." or an absolute path are not found.

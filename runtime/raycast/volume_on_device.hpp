@@ -8,34 +8,11 @@
 #include "plugins/abi/glsl/brace/eye_params.h"
 #include "runtime/gpu/commands.hpp"
 #include "runtime/gpu/memory.hpp"
+#include "runtime/raycast/volume_path.hpp"
 #include "runtime/volume/statistics.hpp"
 #include "runtime/volume/volume.hpp"
 
 namespace brace {
-
-/// How the voxels lie in device memory. The pictures agree within rounding.
-enum class VolumePath {
-  automatic,
-  sampler,  // 3D image, filtered by the device: 1 x the volume's memory; what GPUs like
-  packed    // texel buffer with an apron of edge voxels, filtered in the kernel: 4 x (8 bit), 2 x (16 bit),
-            // 1 x (float) the memory; what lavapipe likes, as it gathers 32-bit texels only
-};
-
-const char* to_string(VolumePath path);
-
-/// "auto", "sampler" or "packed"; throws input_error otherwise.
-VolumePath parse_volume_path(const std::string& text);
-
-struct VolumePathChoice {
-  VolumePath path = VolumePath::sampler;  // never automatic
-  std::string reason;                     // one line for the report
-};
-
-/// Which path a volume takes on a device. Automatic: packed on a software device as long as its limits and
-/// the memory rule (peak at most 1.3 x the volume + 300 MB) allow it, sampler otherwise. Asking for a path
-/// that the device cannot give throws device_error saying which limit is in the way.
-VolumePathChoice choose_volume_path(const VolumeInfo& volume, const gpu::DeviceLimits& limits,
-                                    VolumePath wanted = VolumePath::automatic);
 
 /// A volume in device memory. The device must outlive it.
 class VolumeOnDevice {
@@ -45,12 +22,19 @@ class VolumeOnDevice {
   /// Streams `source` slab by slab; there is never a whole copy in host memory beside the device's. `scan`,
   /// if given, sees every voxel on the way. Throws brace::Error of the source, or device_error when the
   /// device has no room.
-  VolumeOnDevice(const gpu::Device& device, VolumeSource& source, VolumePath wanted = VolumePath::automatic,
+  VolumeOnDevice(const gpu::Device& device, VolumeSource& source, VolumePathChoice choice,
                  VoxelScan* scan = nullptr, const Progress& progress = {});
+
+  /// The same on a path that is named, or by the device's kind without measuring (choose_volume_path).
+  VolumeOnDevice(const gpu::Device& device, VolumeSource& source, VolumePath wanted = VolumePath::automatic,
+                 VoxelScan* scan = nullptr, const Progress& progress = {})
+      : VolumeOnDevice(device, source, choose_volume_path(source.info(), device.limits(), wanted), scan,
+                       progress) {}
 
   const VolumeInfo& info() const { return info_; }
   VolumePath path() const { return choice_.path; }
   const std::string& path_reason() const { return choice_.reason; }
+  const std::string& path_figures() const { return choice_.figures; }
   std::uint64_t device_bytes() const { return device_bytes_; }
 
   /// The macros of brace/volume.glsl that choose the access.

@@ -24,6 +24,17 @@ double cpu_s(const rusage& usage) {
   return seconds(usage.ru_utime) + seconds(usage.ru_stime);
 }
 
+/// Each fact once, by its name.
+void add_measured(const std::vector<Series>& all, std::vector<Fact>& facts) {
+  for (const Series& series : all) {
+    for (const Fact& fact : series.host_facts) {
+      const bool is_known =
+          std::any_of(facts.begin(), facts.end(), [&](const Fact& known) { return known.name == fact.name; });
+      if (!is_known) facts.push_back(fact);
+    }
+  }
+}
+
 HostFigures host_figures(std::chrono::steady_clock::time_point begin, const gpu::Device* device) {
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
@@ -164,6 +175,7 @@ ReplayOutcome replay(const std::vector<LabelledSession>& sessions, const ReplayO
   }
   ReportInput input = report_input(sessions, all, *headset, *head_trace, options);
   input.host = host_figures(begin, device ? &*device : nullptr);
+  add_measured(all, input.host.facts);
   if (device && !device->validation_messages().empty()) {
     throw device_error("the validation layers found a fault: {}", device->validation_messages().front());
   }

@@ -2,10 +2,12 @@
 
 #include <filesystem>
 #include <functional>
+#include <memory>
 #include <stdexcept>
 #include <string>
 #include <vector>
 
+#include "runtime/gpu/measurements.hpp"
 #include "runtime/report/report_input.hpp"
 #include "runtime/session/session.hpp"
 
@@ -20,6 +22,8 @@ struct ReplayOptions {
   std::function<bool()> interrupted{};  // asked often; once true, the replay ends with Interrupted
   int probes = 64;                      // most eye frames rendered to count work where no pictures are made
   bool messages = true;                 // on stderr: what auto chose, memory
+  /// What was measured of the device; null: every scene looks into the default folder anew.
+  std::shared_ptr<gpu::Measurements> measurements{};
 };
 
 /// The user asked the replay to end.

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "runtime/gpu/shader_compiler.hpp"
+#include "runtime/raycast/path_choice.hpp"
 #include "runtime/raycast/volume_levels.hpp"
 #include "runtime/replay/cast_integrator.hpp"
 #include "runtime/replay/native_skip.hpp"
@@ -88,10 +89,14 @@ std::unique_ptr<SceneOnDevice> load_volume(const gpu::Device& device, const Sess
   const Session::Scene& wanted = session.scene;
   const std::unique_ptr<VolumeSource> source = open_volume(wanted.volume, open_options(wanted));
 
+  gpu::Measurements here;
+  VolumePathChoice path =
+      choose_volume_path(device, source->info(), parse_volume_path(wanted.data_path), options.data_folder,
+                         options.measurements ? *options.measurements : here);
   ProgressMeter meter("loading", 1000, "‰");
   VoxelScan scan(source->info().type);
-  auto scene = std::make_unique<SceneOnDevice>(std::make_shared<const VolumeOnDevice>(
-      device, *source, parse_volume_path(wanted.data_path), &scan, [&](double fraction) {
+  auto scene = std::make_unique<SceneOnDevice>(
+      std::make_shared<const VolumeOnDevice>(device, *source, std::move(path), &scan, [&](double fraction) {
         meter.update(static_cast<std::uint64_t>(fraction * 1000.0));
         throw_if_interrupted(options);
       }));

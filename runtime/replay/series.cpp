@@ -181,6 +181,8 @@ Series replay_series(const LabelledSession& labelled, const ReplayOptions& optio
                                labelled.label, gaze ? &*gaze : nullptr});
   apply_skip_choice(work, series);
   series.facts.insert(series.facts.end(), work.facts.begin(), work.facts.end());
+  series.host_facts = work.host_facts;
+  if (!session.cast_reason.empty()) series.facts.push_back({"cast/auto", session.cast_reason});
   series.left_out.insert(series.left_out.end(), work.left_out.begin(), work.left_out.end());
   series.stereo_layer_mib = work.stereo_layer_mib;
   FrameLoopConfig config = loop_config(session, headset, session.run.frames);

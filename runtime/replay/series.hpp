@@ -22,7 +22,7 @@ struct Series {
   std::vector<EyePicture> pictures;
   std::vector<LeftOut> left_out;
   std::vector<StageChoice> pipeline;
-  std::vector<Fact> facts;
+  std::vector<Fact> facts, host_facts;  // host: measured here, not the same for equal runs
   bool deterministic = true;
   std::vector<WatchdogReport> faults;  // that the watchdog found
   std::string failure;                 // "" or what ended the run before its end

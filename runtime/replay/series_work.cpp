@@ -152,6 +152,8 @@ void load(const SeriesWorkInputs& in, SeriesWork& work) {
   work.scene = load_scene(*in.device, in.session, in.options, in.headset, in.placement);
   if (work.scene->skip) work.facts.push_back({"skip memory", work.scene->skip_memory});
   work.facts.push_back({"volume path", work.scene->volume.path_reason()});
+  if (const std::string& figures = work.scene->volume.path_figures(); !figures.empty())
+    work.host_facts.push_back({"volume path", figures});
   if (work.scene->levels) work.facts.push_back({"volume levels", work.scene->levels->summary()});
   for (const std::string& note : work.scene->volume.info().notes)
     work.facts.push_back({"volume", note});
@@ -167,12 +169,7 @@ bool needs_device(const Session& session) {
 SeriesWork make_work(const SeriesWorkInputs& in) {
   const Session& session = in.session;
   SeriesWork work;
-  if (session.pipeline.at("schedule").stage.id() == "schedule/chunked") {
-    require_cells(session);
-    require_cell_poses(session);
-  }
-  if (session.pipeline.at("skip").stage.id() == "skip/occlusion") require_occlusion(session);
-  if (wants_levels(session.pipeline.at("cast"))) require_levels(session);
+  require_agreement(session);
   announce_rays(in, work);
   if (in.device != nullptr && needs_device(session)) load(in, work);
   if (work.scene && session.run.watchdog != WatchdogLevel::off) {

@@ -31,6 +31,7 @@ struct SeriesWork {
   std::unique_ptr<FrameWork> frame_work;  // uses the scene and the watchdog
   PixelWork* pixels = nullptr;            // the same, where it makes pictures
   std::vector<Fact> facts;                // for the report
+  std::vector<Fact> host_facts;           // measured here: not the same for equal runs
   std::vector<LeftOut> left_out;
   std::optional<double> stereo_layer_mib;  // memory of a single-pass stage's layers
 };

@@ -3,7 +3,9 @@
 #include <algorithm>
 
 #include "base/error.hpp"
+#include "runtime/replay/cast_integrator.hpp"
 #include "runtime/replay/series_facts.hpp"
+#include "runtime/replay/series_work.hpp"
 #include "runtime/replay/single_pass.hpp"
 
 namespace brace {
@@ -113,6 +115,18 @@ void require_occlusion(const Session& session) {
     refuse(session.pipeline.at("cast").stage.id() + ", which is native", "cast/dvr");
   if (const std::string stereo = session.pipeline.at("stereo").stage.id(); stereo != "stereo/two_pass")
     refuse(stereo + ", whose second eye has no rays", "stereo/two_pass");
+}
+
+void require_agreement(const Session& session) {
+  if (session.pipeline.at("schedule").stage.id() == "schedule/chunked") {
+    require_cells(session);
+    require_cell_poses(session);
+  }
+  if (session.pipeline.at("skip").stage.id() == "skip/occlusion") require_occlusion(session);
+  if (wants_levels(session.pipeline.at("cast"))) require_levels(session);
+  if (!needs_device(session)) return;
+  if (is_single_pass(session)) require_single_pass(session);
+  if (takes_layers(session.pipeline.at("warp"))) require_layers(session);
 }
 
 }  // namespace brace

@@ -23,4 +23,7 @@ void require_occlusion(const Session& session);
 /// Throws input_error for stages that do not work with coarser levels of the volume.
 void require_levels(const Session& session);
 
+/// All of these as far as they matter to the session: throws input_error if its stages do not work together.
+void require_agreement(const Session& session);
+
 }  // namespace brace

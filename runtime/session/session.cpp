@@ -438,6 +438,8 @@ Session parse_session(const std::string& text, const std::string& file_name,
   session.gaze = read_gaze(table);
   session.scene = read_scene(table, folder);
   session.clock = read_clock(table, folder);
+  session.cast_is_open = table.text("pipeline.cast") == "auto";
+  if (session.cast_is_open) table.set("pipeline.cast", "dvr");
   session.pipeline = read_pipeline(table, stages);
   if (session.pipeline.at("skip").stage.name == "auto")
     session.skip_candidates = read_skip_candidates(table, stages);

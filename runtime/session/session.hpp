@@ -99,6 +99,10 @@ struct Session {
 
   /// family -> stage with its parameters; every family of the pipeline is there.
   std::map<std::string, PipelineStage> pipeline;
+  /// pipeline.cast = "auto": cast/dvr stands there until somebody has chosen, by reading the session again
+  /// with the stage's name.
+  bool cast_is_open = false;
+  std::string cast_reason;  // why it is what was chosen, for the report; "" where the session names it
   /// With pipeline.skip = "auto": the GLSL skip stages that it may become, with this session's parameters.
   std::vector<PipelineStage> skip_candidates;
   /// rays/full_rate, for rays that a stage casts one per pixel whatever pipeline.rays says; empty if there is

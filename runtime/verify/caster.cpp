@@ -5,6 +5,7 @@
 
 #include "base/error.hpp"
 #include "runtime/host/stage_glsl.hpp"
+#include "runtime/raycast/path_choice.hpp"
 
 namespace brace {
 
@@ -92,7 +93,9 @@ Caster::Loaded& Caster::loaded(const Volume& volume) {
     entry = std::make_unique<Loaded>();
     InMemory source(volume);
     VoxelScan scan(volume.info.type);
-    entry->volume = VolumeOnDevice(device_, source, VolumePath::automatic, &scan);
+    entry->volume = VolumeOnDevice(
+        device_, source,
+        choose_volume_path(device_, volume.info, VolumePath::automatic, data_folder_, measurements_), &scan);
     entry->statistics = scan.result();
   }
   return *entry;

@@ -8,6 +8,7 @@
 
 #include <glm/vec4.hpp>
 
+#include "runtime/gpu/measurements.hpp"
 #include "runtime/raycast/cast_pipeline.hpp"
 #include "runtime/skip/skip_structure.hpp"
 #include "runtime/volume/transfer_function.hpp"
@@ -67,6 +68,7 @@ class Caster {
 
   const gpu::Device& device_;
   std::filesystem::path data_folder_;
+  gpu::Measurements measurements_;
   std::unique_ptr<SkipKernels> skip_kernels_;
   std::map<const Volume*, std::unique_ptr<Loaded>> volumes_;
   std::map<std::string, CastPipeline> pipelines_;

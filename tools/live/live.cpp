@@ -8,6 +8,7 @@
 
 #include "base/error.hpp"
 #include "runtime/mab/mab_plan.hpp"
+#include "runtime/plan/auto_cast.hpp"
 #include "runtime/replay/series_facts.hpp"
 #include "runtime/timeline/wall_clock.hpp"
 #include "runtime/volume/write_transfer_function.hpp"
@@ -80,7 +81,10 @@ class LiveRun {
       show_frames();
     } catch (...) {
       recorder_.write();  // what was done by hand is not to be had again
+      int width_px = 0, height_px = 0;
+      window_.size(width_px, height_px);  // asks the window system; a window that is gone is a fault
       note_window_faults({});
+      throw_if_taken_away();
       throw;
     }
     finish();
@@ -88,12 +92,16 @@ class LiveRun {
   }
 
  private:
+  static void throw_if_taken_away() {
+    if (const std::string fault = window_fault(); !fault.empty())
+      throw device_error("live: the window was taken away by another program ({})", fault);
+  }
+
   void show_frames() {
     for (; !command_.frames || frame_ < *command_.frames; ++frame_) {
       if (!window_.poll(overlay_on_ && overlay_.wants_mouse(), overlay_on_ && overlay_.wants_keys())) break;
       if (interrupted()) break;
-      if (const std::string fault = window_fault(); !fault.empty())
-        throw device_error("live: the window was taken away by another program ({})", fault);
+      throw_if_taken_away();
       take_keys();
       reload();
       show_frame();
@@ -415,6 +423,14 @@ int live_command(const LiveCommand& command) {
   const Stages first_stages = make_stages(command.plugin_path);
   warn_of_broken(first_stages.plugins);
   Overrides overrides = parse_settings(command.set);
+  const SessionReader read = [&](const Overrides& more) {
+    Overrides all = overrides;
+    all.insert(all.end(), more.begin(), more.end());
+    return read_session(command.session, all, first_stages.registry);
+  };
+  for (const auto& setting :
+       decide_cast(read, first_stages.registry, replay_options(first_stages.registry, command.gpu)).settings)
+    overrides.push_back(setting);
   const Session session = first_session(command, overrides, first_stages.registry);
   Overlay overlay;
   LiveWindow window(command.window_px[0], command.window_px[1], "brace live: " + session.name);

@@ -101,16 +101,23 @@ TEST_F(Picture, AdditionalSamplesAreCountedPerVisibleSample) {
   EXPECT_EQ(fetches(shadow), 38 * visible);
 }
 
-TEST_F(Picture, SamplerAndPackedPathAgree) {
+TEST_F(Picture, SamplerAndPackedPathAgreeOnAllVoxelsInAllShadings) {
   const EyeView eye = look_at_centre({0.4, -0.3, 1.5});
-  for (const char* name : {"generator:marschner_lobb:40", "generator:fractal_vessels:40:int16"}) {
+  CastSettings phong, lights, shadow;
+  phong.phong = true;
+  lights.light_samples = 4;
+  shadow.shadow_ao = true;
+  for (const char* name : {"generator:marschner_lobb:40", "generator:fractal_vessels:40:int16",
+                           "generator:marschner_lobb:40:uint16", "generator:fractal_vessels:40:float32"}) {
     const Volume volume = load(name);
     const TransferTable table = smooth_table(volume, {0.0, full_scale(volume.info.type)});
-    const Shot packed = shoot(volume, table, eye, tilted(), {}, VolumePath::packed);
-    const Shot sampled = shoot(volume, table, eye, tilted(), {}, VolumePath::sampler);
-    const Difference found = difference(packed.colours, sampled.colours);
-    EXPECT_LE(found.max, kMax) << name;
-    EXPECT_LE(found.rms, kRms) << name;
+    for (const CastSettings& settings : {CastSettings{}, phong, lights, shadow}) {
+      const Shot packed = shoot(volume, table, eye, tilted(), settings, VolumePath::packed);
+      const Shot sampled = shoot(volume, table, eye, tilted(), settings, VolumePath::sampler);
+      const Difference found = difference(packed.colours, sampled.colours);
+      EXPECT_LE(found.max, kMax) << name << (settings.phong ? ", phong" : "") << settings.light_samples;
+      EXPECT_LE(found.rms, kRms) << name;
+    }
   }
 }
 

@@ -1,0 +1,70 @@
+#include "runtime/plan/auto_cast.hpp"
+
+#include <algorithm>
+
+#include <fmt/format.h>
+
+#include "base/error.hpp"
+#include "runtime/plan/cast_choice.hpp"
+#include "runtime/replay/series_work.hpp"
+#include "runtime/replay/stage_conflicts.hpp"
+
+namespace brace {
+
+namespace {
+
+CastDecision take_cast(const char* cast, const std::string& reason) {
+  return {{{"pipeline.cast", cast}}, fmt::format("{}: {}", cast, reason)};
+}
+
+bool has_parameter(const StageInfo& stage, const std::string& parameter) {
+  return std::any_of(stage.parameters.begin(), stage.parameters.end(),
+                     [&](const StageParameter& one) { return one.name == parameter; });
+}
+
+/// The session's settings of cast/dvr as those of cast/native. Throws input_error for one that it has not.
+Overrides settings_for_native(const PipelineStage& dvr, const StageInfo& native) {
+  Overrides settings;
+  for (std::size_t i = 0; i < dvr.values.size(); ++i) {
+    const StageParameter& parameter = dvr.stage.parameters[i];
+    if (dvr.values[i] == parameter.default_value) continue;
+    if (!has_parameter(native, parameter.name) || parameter.type == ParameterType::choice)
+      throw input_error("{} has no setting '{}', which the session sets", native.id(), parameter.name);
+    settings.emplace_back("stage.native." + parameter.name, fmt::format("{}", dvr.values[i]));
+  }
+  return settings;
+}
+
+std::string measured_reason(const CastChoice& choice, const std::string& device) {
+  return fmt::format("{} by measurement on {}",
+                     choice.cast == "native" ? "the faster one" : "cast/native is not clearly faster",
+                     device);
+}
+
+}  // namespace
+
+CastDecision decide_cast(const SessionReader& read, const StageRegistry& stages,
+                         const ReplayOptions& options) {
+  const Session session = read({});
+  if (!session.cast_is_open) return {};
+  if (!needs_device(session)) return take_cast("dvr", "nothing is cast");
+  Overrides native = {{"pipeline.cast", "native"}};
+  try {
+    const StageInfo& stage = stages.find("cast", "native", "pipeline.cast = 'auto'");
+    for (const auto& setting : settings_for_native(session.pipeline.at("cast"), stage))
+      native.push_back(setting);
+    require_agreement(read(native));
+  } catch (const Error& error) {
+    return take_cast("dvr", error.what());
+  }
+  const gpu::Device device({.select = options.gpu});
+  if (!device.info().limits.is_software) return take_cast("dvr", "on a GPU");
+  gpu::Measurements here;
+  const CastChoice choice =
+      choose_cast(device, stages, options.data_folder, options.measurements ? *options.measurements : here);
+  CastDecision decision = take_cast(choice.cast.c_str(), measured_reason(choice, device.info().name));
+  if (choice.cast == "native") decision.settings = native;
+  return decision;
+}
+
+}  // namespace brace
