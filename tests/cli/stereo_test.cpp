@@ -151,8 +151,7 @@ points = [
 }
 
 TEST_F(Stereo, NovelViewIsRefusedByNameWhereItsLayersCannotBeMade) {
-  for (const char* setting :
-       {"run.watchdog=full", "stage.chunked.order=cost", "pipeline.warp=volumetric"}) {
+  for (const char* setting : {"run.watchdog=full", "stage.chunked.order=cost", "pipeline.warp=volumetric"}) {
     std::vector<std::string> settings = {"pipeline.stereo=novel_view", setting};
     if (std::string(setting) == "stage.chunked.order=cost") settings.push_back("pipeline.schedule=chunked");
     const Outcome outcome = run("one", settings);
