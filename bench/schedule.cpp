@@ -2,7 +2,6 @@
 
 #include <array>
 #include <cmath>
-#include <limits>
 
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
@@ -20,9 +19,6 @@ class WanderingWork final : public FrameWork {
  public:
   JobOutcome update(const UpdateRequest&) override { return {}; }
   JobOutcome warp(const WarpRequest&) override { return {}; }
-  ShowOutcome show(const ShowRequest&) override {
-    return {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::quiet_NaN()};
-  }
 
   JobOutcome cast(const CastRequest& request) override {
     const double s = to_s(request.start);

@@ -1,6 +1,7 @@
 # Everything here is a Debian package; cmake/packages.txt is the one list that the scripts install.
 find_package(fmt REQUIRED)
 find_package(glm REQUIRED)
+find_package(TBB REQUIRED)
 find_package(Eigen3 REQUIRED NO_MODULE)
 find_package(tomlplusplus REQUIRED)
 find_package(PNG REQUIRED)

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <utility>
 
 #include "base/error.hpp"
@@ -147,11 +146,6 @@ CellOutcome CountedWork::cast_cell(const CellRequest& request) {
 
 JobOutcome CountedWork::warp(const WarpRequest& request) {
   return {.work = interpolate(request.start, [](const WorkProbe& probe) { return probe.warp; })};
-}
-
-ShowOutcome CountedWork::show(const ShowRequest&) {
-  constexpr double nan = std::numeric_limits<double>::quiet_NaN();
-  return {nan, nan};
 }
 
 }  // namespace brace

@@ -34,7 +34,6 @@ class CountedWork final : public FrameWork {
   JobOutcome cast(const CastRequest& request) override;
   CellOutcome cast_cell(const CellRequest& request) override;
   JobOutcome warp(const WarpRequest& request) override;
-  ShowOutcome show(const ShowRequest& request) override;
 
  private:
   template <class Counts>

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <cstdint>
-#include <limits>
 #include <optional>
 #include <span>
 
@@ -86,12 +85,6 @@ struct JobOutcome {
   std::span<const CellOutcome> cells{};
 };
 
-struct ShowOutcome {
-  double dssim_left, dssim_right;                                        // NaN where not measured
-  double weighted_rmse_left = std::numeric_limits<double>::quiet_NaN();  // the same
-  double weighted_rmse_right = std::numeric_limits<double>::quiet_NaN();
-};
-
 /// The pixels behind the frame loop. Two implementations: the Vulkan renderer, and counted work without
 /// pixels for pacing-only replays. Calls come in simulated-time order on one thread. A warp may come before
 /// the cast that was asked for before it has ended in simulated time; it then names the other slot, unless
@@ -108,8 +101,9 @@ class FrameWork {
     return {};
   }
   virtual JobOutcome warp(const WarpRequest& request) = 0;
-  /// Called for every vsync from the first image on, in order. Not called before there is an image.
-  virtual ShowOutcome show(const ShowRequest& request) = 0;
+  /// Called for every vsync from the first image on, in order. Not called before there is an image. Work
+  /// without pixels has nothing to do.
+  virtual void show(const ShowRequest&) {}
 };
 
 }  // namespace brace

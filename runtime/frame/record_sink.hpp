@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "base/error.hpp"
 #include "runtime/metrics/frame_record.hpp"
 #include "runtime/timeline/job_record.hpp"
 
@@ -22,6 +23,16 @@ class RunRecords final : public RecordSink {
  public:
   void add(const FrameRecord& record) override { frames_.push_back(record); }
   void add(const JobRecord& record) override { jobs_.push_back(record); }
+
+  /// Image errors are known later than the rest of a vsync that is recorded.
+  void set_errors(std::int64_t vsync_index, const PanelErrors& errors) {
+    FrameRecord& record = frames_[static_cast<std::size_t>(vsync_index)];
+    BRACE_CHECK(record.vsync_index == vsync_index);
+    record.dssim_left = errors.dssim_left;
+    record.dssim_right = errors.dssim_right;
+    record.weighted_rmse_left = errors.weighted_rmse_left;
+    record.weighted_rmse_right = errors.weighted_rmse_right;
+  }
 
   const std::vector<FrameRecord>& frames() const { return frames_; }
   /// As they came, by end. to_costs_csv wants them by submission: see jobs_by_submission.

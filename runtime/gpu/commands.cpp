@@ -237,6 +237,13 @@ void CommandList::ensure_submittable() {
   state_ = State::closed;
 }
 
+std::int64_t total_ns(std::span<const Timing> timings) {
+  std::int64_t sum = 0;
+  for (const Timing& timing : timings)
+    sum += timing.device_ns;
+  return sum;
+}
+
 std::int64_t device_ns(std::span<const Timing> timings, std::string_view name) {
   std::int64_t sum = 0;
   for (const Timing& timing : timings)

@@ -119,6 +119,9 @@ class CommandList {
 /// is valid until the next recording or submission. Throws device_error when the device is lost.
 const std::vector<Timing>& submit_and_wait(CommandList& commands);
 
+/// Sum of all timings, ns.
+std::int64_t total_ns(std::span<const Timing> timings);
+
 /// Sum of the timings of this name, ns.
 std::int64_t device_ns(std::span<const Timing> timings, std::string_view name);
 

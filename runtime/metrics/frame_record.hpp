@@ -27,6 +27,14 @@ struct WorkCounts {
   }
 };
 
+/// Of what the panels show at a vsync against ideal pictures: the members of FrameRecord of these names.
+struct PanelErrors {
+  double dssim_left = std::numeric_limits<double>::quiet_NaN();
+  double dssim_right = std::numeric_limits<double>::quiet_NaN();
+  double weighted_rmse_left = std::numeric_limits<double>::quiet_NaN();
+  double weighted_rmse_right = std::numeric_limits<double>::quiet_NaN();
+};
+
 /// What happened at one vsync. One record travels from prediction to report; metrics are pure functions of
 /// records. All times are simulated nanoseconds; -1 where there is none yet.
 struct FrameRecord {

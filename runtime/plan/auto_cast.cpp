@@ -6,6 +6,7 @@
 
 #include "base/error.hpp"
 #include "runtime/plan/cast_choice.hpp"
+#include "runtime/replay/cast_settings.hpp"
 #include "runtime/replay/series_work.hpp"
 #include "runtime/replay/stage_conflicts.hpp"
 
@@ -15,24 +16,6 @@ namespace {
 
 CastDecision take_cast(const char* cast, const std::string& reason) {
   return {{{"pipeline.cast", cast}}, fmt::format("{}: {}", cast, reason)};
-}
-
-bool has_parameter(const StageInfo& stage, const std::string& parameter) {
-  return std::any_of(stage.parameters.begin(), stage.parameters.end(),
-                     [&](const StageParameter& one) { return one.name == parameter; });
-}
-
-/// The session's settings of cast/dvr as those of cast/native. Throws input_error for one that it has not.
-Overrides settings_for_native(const PipelineStage& dvr, const StageInfo& native) {
-  Overrides settings;
-  for (std::size_t i = 0; i < dvr.values.size(); ++i) {
-    const StageParameter& parameter = dvr.stage.parameters[i];
-    if (dvr.values[i] == parameter.default_value) continue;
-    if (!has_parameter(native, parameter.name) || parameter.type == ParameterType::choice)
-      throw input_error("{} has no setting '{}', which the session sets", native.id(), parameter.name);
-    settings.emplace_back("stage.native." + parameter.name, fmt::format("{}", dvr.values[i]));
-  }
-  return settings;
 }
 
 std::string measured_reason(const CastChoice& choice, const std::string& device) {
@@ -51,8 +34,8 @@ CastDecision decide_cast(const SessionReader& read, const StageRegistry& stages,
   Overrides native = {{"pipeline.cast", "native"}};
   try {
     const StageInfo& stage = stages.find("cast", "native", "pipeline.cast = 'auto'");
-    for (const auto& setting : settings_for_native(session.pipeline.at("cast"), stage))
-      native.push_back(setting);
+    for (const auto& [name, value] : settings_for(session.pipeline.at("cast"), stage))
+      native.emplace_back("stage.native." + name, fmt::format("{}", value));
     require_agreement(read(native));
   } catch (const Error& error) {
     return take_cast("dvr", error.what());

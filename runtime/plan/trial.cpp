@@ -62,7 +62,9 @@ PlanTrial PlanTrials::replay_now(const Session& session) {
   const Headset headset = make_headset(session, options_.data_folder);
   const HeadTrace trace = load_head_trace(session.trace, options_.data_folder);
   RunDirectory nothing(unused_folder());
-  const Series series = replay_series({"", session}, options_, headset, trace, device_for(session), nothing);
+  IdealCache no_ideals(0);
+  const Series series =
+      replay_series({"", session}, options_, headset, trace, device_for(session), nothing, no_ideals);
   if (!series.failure.empty()) throw device_error("{}", series.failure);
   const PacingFigures pacing = pacing_figures(series.records.frames());
   return {gpu_time(series.jobs).frame_ms(), pacing.angular_error_deg.p95, pacing.position_error_mm.p95,

@@ -48,10 +48,7 @@ void take_back(const gpu::Device& device, const gpu::Buffer& to, const brace_buf
 }
 
 std::int64_t submit(gpu::CommandList& commands) {
-  std::int64_t total_ns = 0;
-  for (const gpu::Timing& timing : gpu::submit_and_wait(commands))
-    total_ns += timing.device_ns;
-  return total_ns;
+  return gpu::total_ns(gpu::submit_and_wait(commands));
 }
 
 const std::string& id_of(const std::string* given, const NativeStage* stage) {

@@ -67,13 +67,6 @@ std::unique_ptr<MabBraces> make_mab(const gpu::Device& device, const Session& se
   return plan ? std::make_unique<MabBraces>(device, std::move(*plan), guard_bytes(session)) : nullptr;
 }
 
-std::int64_t total_ns(std::span<const gpu::Timing> timings) {
-  std::int64_t total = 0;
-  for (const gpu::Timing& timing : timings)
-    total += timing.device_ns;
-  return total;
-}
-
 }  // namespace
 
 EyePair make_eye_pair(const gpu::Device& device, PictureSize size, RayLayers layers) {
@@ -173,7 +166,8 @@ void EyeRenderer::set_eye(sim::Eye eye, const EyeView& view, const EyeTarget& ta
 }
 
 /// Valid until the next call.
-CastPipeline::Resources EyeRenderer::resources_of(sim::Eye eye, const EyeTarget& target) {
+CastPipeline::Resources EyeRenderer::resources_of(sim::Eye eye, const EyeTarget& target,
+                                                  const RayBuffers& rays) {
   const auto skip = scene_.skip_bindings();
   bindings_.assign(skip.begin(), skip.end());
   if (first_hits_) {
@@ -196,14 +190,14 @@ CastPipeline::Resources EyeRenderer::resources_of(sim::Eye eye, const EyeTarget&
     grid = mab_->grid(eye);
   }
   const bool cast_twice = makes_layers_ && layers_of_equal_shares(session_.pipeline.at("warp"));
-  return {scene_.volume, scene_.transfer, rays(), target, bindings_, scene_.skip_map(), grid, cast_twice};
+  return {scene_.volume, scene_.transfer, rays, target, bindings_, scene_.skip_map(), grid, cast_twice};
 }
 
 EyeCastOutcome EyeRenderer::cast_eye_by_steps(sim::Eye eye, const Pose& world_from_head,
                                               const EyeTarget& target) {
   const EyeView view = eye_view(headset_, eye, world_from_head);
   set_eye(eye, view, target);
-  const CastPipeline::Resources resources = resources_of(eye, target);
+  const CastPipeline::Resources resources = resources_of(eye, target, rays());
   const std::string rays_id = session_.pipeline.at("rays").stage.id();
   const std::string cast_id = session_.pipeline.at("cast").stage.id();
   EyeCastOutcome outcome = cast_eye({.device = device_,
@@ -222,7 +216,7 @@ EyeCastOutcome EyeRenderer::cast_eye_by_steps(sim::Eye eye, const Pose& world_fr
   if (keeps_first_hits_) {
     commands_.reset();
     keep_first_hits(commands_, eye, target);
-    outcome.time_ns += total_ns(gpu::submit_and_wait(commands_));
+    outcome.time_ns += gpu::total_ns(gpu::submit_and_wait(commands_));
   }
   return outcome;
 }
@@ -249,7 +243,7 @@ std::int64_t EyeRenderer::compose_right_eye(const Pose& world_from_head, const E
   (*native_stereo_)->stereo(frame);
   commands_.barrier();
   commands_.end_timing();
-  return total_ns(gpu::submit_and_wait(commands_));
+  return gpu::total_ns(gpu::submit_and_wait(commands_));
 }
 
 JobOutcome EyeRenderer::render_by_steps(const Pose& world_from_head, const EyePair& into) {
@@ -268,120 +262,63 @@ JobOutcome EyeRenderer::render_by_steps(const Pose& world_from_head, const EyePa
   return outcome;
 }
 
-template <class Record>
-SimDuration EyeRenderer::submit_step(const char* name, const Record& record) {
-  commands_.reset();
-  commands_.barrier();
-  commands_.begin_timing(name);
-  record();
-  commands_.barrier();
-  commands_.end_timing();
-  return SimDuration(total_ns(gpu::submit_and_wait(commands_)));
+bool EyeRenderer::casts_frames_on_host() const {
+  return native_cast_ && (*native_cast_)->casts_on_host() && !native_rays_ && !native_stereo_ && !mab_ &&
+         !makes_layers_ && !single_pass_ && !keeps_first_hits_ && watchdog_ == nullptr;
 }
 
-CellOutcome EyeRenderer::cast_cell(sim::Eye eye, const EyeView& view,
-                                   const CastPipeline::Resources& resources, const CastArea& area) {
-  CellOutcome cell;
-  if (area.width == 0 || area.height == 0) return cell;
-  pipeline_.reset_counters(device_);
-  const EyeCast whole{.device = device_,
-                      .pipeline = pipeline_,
-                      .resources = resources,
-                      .view = view,
-                      .eye = static_cast<std::uint32_t>(eye),
-                      .frame = frame_,
-                      .cast = native_cast_ ? &**native_cast_ : nullptr,
-                      .segments = segments()};
-  if (native_cast_ && (*native_cast_)->casts_on_host()) {
-    cell.device_time = cast_on_host(whole, area, host_rays_, cell.work, commands_);
-    return cell;
-  }
-  cell.device_time = submit_step("cast", [&] {
-    if (native_cast_) {
-      (*native_cast_)->cast(cast_frame(whole, commands_.hand_out(), area));
-    } else {
-      pipeline_.record_cast(commands_, resources, area);
+/// Each eye with rays of its own.
+template <class Visit>
+void EyeRenderer::for_each_eye(std::span<const Frame> frames, const Visit& visit) {
+  std::size_t number = 0;
+  for (const Frame& frame : frames) {
+    for (const sim::Eye eye : sim::all_eyes) {
+      const EyeTarget& target = frame.into[static_cast<std::size_t>(eye)];
+      if (number > more_rays_.size()) more_rays_.emplace_back(device_, own_rays_.across, own_rays_.down);
+      const RayBuffers& rays = number == 0 ? own_rays_ : more_rays_[number - 1];
+      visit(eye, eye_view(headset_, eye, frame.world_from_head), resources_of(eye, target, rays));
+      ++number;
     }
-  });
-  cell.work = pipeline_.counted(device_);
-  return cell;
+  }
 }
 
-JobOutcome EyeRenderer::render_cells(const Pose& world_from_head, const EyePair& into, double quality,
-                                     const Cells& cells) {
-  const CellCuts even(cells.columns, cells.rows);
-  if (single_pass_) {
-    const SinglePass::Cells of_single_pass{cells.cuts.empty() ? even : cells.cuts[0], cells_};
-    if (const std::optional<JobOutcome> outcome =
-            single_pass_->render(world_from_head, into, quality, &of_single_pass))
-      return *outcome;
-  }
-  if (mab_) mab_->set_quality(quality);
-  cells_.clear();
-  for (const sim::Eye eye : sim::all_eyes) {
-    const EyeTarget& target = into[static_cast<std::size_t>(eye)];
-    const EyeView view = eye_view(headset_, eye, world_from_head);
-    set_eye(eye, view, target);
-    const CastPipeline::Resources resources = resources_of(eye, target);
-    const CastArea all{0, 0, resources.rays_across(), resources.rays_down()};
-    const std::size_t first = cells_.size();
-    const SimDuration opening =
-        submit_step("opening", [&] { pipeline_.record_opening(commands_, resources, all); });
-    const CellCuts& cuts = cells.cuts.empty() ? even : cells.cuts[static_cast<std::size_t>(eye)];
-    for (int i = 0; i < cuts.columns * cuts.rows; ++i)
-      cells_.push_back(cast_cell(eye, view, resources, rays_of(cuts.area(i), all)));
-    const SimDuration closing = submit_step("closing", [&] {
-      pipeline_.record_closing(commands_, resources, {0, 0, target.width_px, target.height_px});
+JobOutcome EyeRenderer::render_on_host(std::span<const Frame> frames) {
+  const CastArea all{0, 0, own_rays_.across, own_rays_.down};
+  JobOutcome outcome;
+  outcome.device_time += submit_step("opening", [&] {
+    for_each_eye(frames, [&](sim::Eye eye, const EyeView& view, const CastPipeline::Resources& resources) {
+      set_eye(eye, view, resources.target);
+      pipeline_.record_opening(commands_, resources, all);
     });
-    cells_[first].device_time += opening;
-    cells_.back().device_time += closing;
-    if (keeps_first_hits_) {
-      commands_.reset();
-      keep_first_hits(commands_, eye, target);
-      cells_.back().device_time += SimDuration(total_ns(gpu::submit_and_wait(commands_)));
-    }
-  }
-  ++frame_;
-  JobOutcome outcome{.cells = cells_};
-  for (const CellOutcome& cell : cells_) {
-    outcome.work += cell.work;
-    outcome.device_time += cell.device_time;
-  }
+  });
+  for_each_eye(frames, [&](sim::Eye eye, const EyeView& view, const CastPipeline::Resources& resources) {
+    const EyeCast whole{.device = device_,
+                        .pipeline = pipeline_,
+                        .resources = resources,
+                        .view = view,
+                        .eye = static_cast<std::uint32_t>(eye),
+                        .frame = frame_,
+                        .cast = &**native_cast_};
+    outcome.device_time += cast_on_host(whole, all, host_rays_, outcome.work, commands_);
+    if (eye == sim::Eye::right) ++frame_;
+  });
+  outcome.device_time += submit_step("closing", [&] {
+    for_each_eye(frames, [&](sim::Eye, const EyeView&, const CastPipeline::Resources& resources) {
+      pipeline_.record_closing(commands_, resources, all);
+    });
+  });
   return outcome;
 }
 
-CellOutcome EyeRenderer::render_cell(const Pose& world_from_head, const EyePair& into, int number,
-                                     const Cells& cells) {
-  const int per_eye = cells.columns * cells.rows;
-  const auto i = static_cast<std::size_t>(number / per_eye);
-  const CellCuts even(cells.columns, cells.rows);
-  const CellCuts& cuts = cells.cuts.empty() ? even : cells.cuts[i];
-  const EyeTarget& target = into[i];
-  const auto eye = static_cast<sim::Eye>(i);
-  const CastArea area = rays_of(cuts.area(number % per_eye), {0, 0, target.width_px, target.height_px});
-  if (area.width == 0 || area.height == 0) return {};
-  const EyeView view = eye_view(headset_, eye, world_from_head);
-  set_eye(eye, view, target);
-  const CastPipeline::Resources resources = resources_of(eye, target);
-  if (native_cast_) {
-    const SimDuration opening =
-        submit_step("opening", [&] { pipeline_.record_opening(commands_, resources, area); });
-    CellOutcome cell = cast_cell(eye, view, resources, area);
-    cell.device_time += opening;
-    cell.device_time += submit_step("closing", [&] { pipeline_.record_closing(commands_, resources, area); });
-    return cell;
+JobOutcome EyeRenderer::render_each(std::span<const Frame> frames) {
+  if (casts_frames_on_host()) return render_on_host(frames);
+  JobOutcome outcome;
+  for (const Frame& frame : frames) {
+    const JobOutcome one = render(frame.world_from_head, frame.into);
+    outcome.work += one.work;
+    outcome.device_time += one.device_time;
   }
-  pipeline_.reset_counters(device_);
-  CellOutcome cell;
-  cell.device_time = submit_step("cell", [&] {
-    pipeline_.record_opening(commands_, resources, area);
-    commands_.barrier();
-    pipeline_.record_cast(commands_, resources, area);
-    commands_.barrier();
-    pipeline_.record_closing(commands_, resources, area);
-  });
-  cell.work = pipeline_.counted(device_);
-  return cell;
+  return outcome;
 }
 
 JobOutcome EyeRenderer::render_by_line(const ScanPoses& world_from_head, const EyePair& into) {
@@ -404,6 +341,12 @@ JobOutcome EyeRenderer::render(const Pose& world_from_head, const EyePair& into,
   }
   if (mab_) mab_->set_quality(quality);
   if (counting_ == Counting::on) pipeline_.reset_counters(device_);
+  if (casts_frames_on_host()) {
+    const std::array<Frame, 1> frame = {{{world_from_head, into}}};
+    const JobOutcome outcome = render_on_host(frame);
+    step_times_ = {.cast = outcome.device_time};
+    return outcome;
+  }
   if (native_rays_ || native_cast_ || native_stereo_ || watchdog_ != nullptr) {
     const JobOutcome outcome = render_by_steps(world_from_head, into);
     step_times_ = {.cast = outcome.device_time};
@@ -413,12 +356,12 @@ JobOutcome EyeRenderer::render(const Pose& world_from_head, const EyePair& into,
   for (const sim::Eye eye : sim::all_eyes) {
     const EyeTarget& target = into[static_cast<std::size_t>(eye)];
     set_eye(eye, eye_view(headset_, eye, world_from_head), target);
-    pipeline_.record(commands_, resources_of(eye, target));
+    pipeline_.record(commands_, resources_of(eye, target, rays()));
     keep_first_hits(commands_, eye, target);
   }
   JobOutcome outcome;
   const std::vector<gpu::Timing>& timings = gpu::submit_and_wait(commands_);
-  outcome.device_time = SimDuration(total_ns(timings));
+  outcome.device_time = SimDuration(gpu::total_ns(timings));
   step_times_ = {SimDuration(gpu::device_ns(timings, "opening")),
                  SimDuration(gpu::device_ns(timings, "cast")),
                  SimDuration(gpu::device_ns(timings, "closing"))};

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <deque>
 #include <memory>
 #include <optional>
 
@@ -54,6 +55,16 @@ class EyeRenderer {
   /// `quality`: the share of the rays that load control asks for; only rays/mab can cast fewer.
   JobOutcome render(const Pose& world_from_head, const EyePair& into, double quality = 1.0);
 
+  /// A head pose and where its eyes go.
+  struct Frame {
+    const Pose& world_from_head;
+    const EyePair& into;
+  };
+  /// Several at full quality. Where casts_frames_on_host() they share their submissions: one for all opening
+  /// braces, one for all closing ones; then each takes memory for the rays of both its eyes.
+  JobOutcome render_each(std::span<const Frame> frames);
+  bool casts_frames_on_host() const;
+
   /// Device time of the last render(), both eyes. All of it is `cast` where its steps are not told apart:
   /// native stages, a watchdog, one pass for both eyes.
   struct StepTimes {
@@ -100,7 +111,10 @@ class EyeRenderer {
   SegmentReplay* segments() { return makes_layers_ && native_cast_ ? &replay_ : nullptr; }
   void set_eye(sim::Eye eye, const EyeView& view, const EyeTarget& target);
   void keep_first_hits(gpu::CommandList& commands, sim::Eye eye, const EyeTarget& target);
-  CastPipeline::Resources resources_of(sim::Eye eye, const EyeTarget& target);
+  CastPipeline::Resources resources_of(sim::Eye eye, const EyeTarget& target, const RayBuffers& rays);
+  template <class Visit>
+  void for_each_eye(std::span<const Frame> frames, const Visit& visit);
+  JobOutcome render_on_host(std::span<const Frame> frames);
   JobOutcome render_by_steps(const Pose& world_from_head, const EyePair& into);
   CellOutcome cast_cell(sim::Eye eye, const EyeView& view, const CastPipeline::Resources& resources,
                         const CastArea& area);
@@ -118,8 +132,9 @@ class EyeRenderer {
   Counting counting_;
   bool makes_layers_;
   CastPipeline pipeline_;
-  std::unique_ptr<MabBraces> mab_;  // null unless the session's rays are rays/mab's
-  RayBuffers own_rays_;             // empty with mab_
+  std::unique_ptr<MabBraces> mab_;    // null unless the session's rays are rays/mab's
+  RayBuffers own_rays_;               // empty with mab_
+  std::deque<RayBuffers> more_rays_;  // of render_on_host: every eye's but the first
   std::vector<gpu::Binding> bindings_;
   std::vector<CellOutcome> cells_;  // of the last render_cells
   StepTimes step_times_;
@@ -136,5 +151,16 @@ class EyeRenderer {
   std::unique_ptr<FirstHitMaps> first_hits_;    // null without skip/occlusion
   bool keeps_first_hits_ = false;
 };
+
+template <class Record>
+SimDuration EyeRenderer::submit_step(const char* name, const Record& record) {
+  commands_.reset();
+  commands_.barrier();
+  commands_.begin_timing(name);
+  record();
+  commands_.barrier();
+  commands_.end_timing();
+  return SimDuration(gpu::total_ns(gpu::submit_and_wait(commands_)));
+}
 
 }  // namespace brace

@@ -1,27 +1,45 @@
 #pragma once
 
-#include <filesystem>
+#include <deque>
 #include <memory>
 #include <optional>
+#include <span>
+#include <string>
+#include <vector>
 
 #include "runtime/replay/panel_display.hpp"
 #include "runtime/replay/scene.hpp"
 
 namespace brace {
 
+/// Where a head truly is at a vsync's photons: in the middle of the scan-out, and where it was asked for at
+/// its first and last line.
+struct TruePose {
+  Pose world_from_head{};
+  std::optional<ScanPoses> scan{};
+};
+
 /// The picture that a session's is measured against: a ray for every pixel of both eyes, lit as asked for,
-/// the true pose, no warp; with output.ideal = "converged" finer steps, too. Everything given must outlive
-/// it.
+/// the true pose, no warp; with output.ideal = "converged" finer steps, too; with output.ideal_cast =
+/// "native" by that raycaster. Everything given must outlive it.
 class IdealPicture {
  public:
   /// `scene` is the session's; an ideal picture with finer steps has one of its own, with the same volume.
-  /// Throws input_error where a session asks for a converged ideal that its cast stage cannot give.
+  /// Throws input_error where a session asks for an ideal that its stages cannot give.
   IdealPicture(const gpu::Device& device, const Session& session, const Headset& headset,
                SceneOnDevice& scene, const VolumePlacement& placement, const ReplayOptions& options);
 
-  /// What the panels would show a head at this pose; with output.ideal_pose = "lines" one that moves between
+  /// What the panels would show heads at these poses; with output.ideal_pose = "lines" ones that move between
   /// those of the scan-out's first and last line.
-  PanelPair show(const Pose& true_world_from_head, const std::optional<ScanPoses>& true_scan = {});
+  std::vector<PanelPair> show(std::span<const TruePose> heads);
+  PanelPair show(const TruePose& head) { return std::move(show({&head, 1}).front()); }
+
+  /// As many heads as share their submissions, in at most 256 MiB of device memory; 1 where that gains
+  /// nothing.
+  std::size_t batch_size() const { return batch_size_; }
+
+  /// What the pictures depend on beside the heads' poses and the transfer function's version.
+  const std::string& identity() const { return identity_; }
 
   bool has_own_scene() const { return own_scene_ != nullptr; }
   SceneOnDevice& scene() { return scene_; }
@@ -29,12 +47,18 @@ class IdealPicture {
   void transfer_changed() { renderer_.transfer_changed(); }
 
  private:
+  void show_batch(std::span<const TruePose> heads, std::vector<PanelPair>& pictures);
+
+  const gpu::Device& device_;
+  const Headset& headset_;
   Session session_;
   std::unique_ptr<SceneOnDevice> own_scene_;  // null where the session's serves
   SceneOnDevice& scene_;
   EyeRenderer renderer_;
   PanelDisplay display_;
-  EyePair eyes_;
+  std::size_t batch_size_;
+  std::deque<EyePair> eyes_;  // of a batch's heads; renderers refer to them
+  std::string identity_;
 };
 
 }  // namespace brace

@@ -1,10 +1,9 @@
 #include "runtime/replay/pixel_work.hpp"
 
-#include <limits>
+#include <utility>
 
 #include <fmt/core.h>
 
-#include "runtime/metrics/image_error.hpp"
 #include "runtime/replay/series_facts.hpp"
 
 namespace brace {
@@ -24,17 +23,18 @@ PixelWork::PixelWork(const Inputs& inputs)
   for (EyePair& slot : slots_)
     slot = make_eye_pair(inputs.device, inputs.session, inputs.headset);
   if (!error_at_.any()) return;
-  ideal_.emplace(in_.device, in_.session, in_.headset, in_.scene, in_.placement, in_.options);
-  gaze_weights_.emplace(in_.headset);
-  for (const sim::Eye eye : sim::all_eyes) {
-    visible_[static_cast<std::size_t>(eye)] = visible_pixels(in_.headset, eye);
-  }
+  const bool measures_time = in_.session.clock.cost == "measured" || in_.session.clock.wall;
+  error_meter_.emplace(ErrorMeter::Inputs{
+      in_.device, in_.headset,
+      std::make_unique<IdealPicture>(in_.device, in_.session, in_.headset, in_.scene, in_.placement,
+                                     in_.options),
+      in_.ideals, [this](std::int64_t version) { show_transfer(version); }, measures_time});
 }
 
 JobOutcome PixelWork::show_transfer(std::int64_t version) {
   const JobOutcome outcome = in_.scene.show_transfer(in_.device, version);
   renderer_.transfer_changed();
-  if (ideal_ && !ideal_->has_own_scene()) ideal_->transfer_changed();
+  if (error_meter_ && !error_meter_->ideal().has_own_scene()) error_meter_->ideal().transfer_changed();
   return outcome;
 }
 
@@ -70,47 +70,21 @@ JobOutcome PixelWork::warp(const WarpRequest& request) {
   const JobOutcome outcome = display_.show(
       {eyes, request.render_world_from_head, request.warp_world_from_head, request.frame, request.vsync_index,
        request.warp_scan, &cell_poses_[static_cast<std::size_t>(request.slot)]});
-  if (error_at_.any() || pictures_at_.any()) waiting_ = display_.read();
+  if (error_at_.any() || pictures_at_.any()) waiting_ = std::make_shared<const PanelPair>(display_.read());
   return outcome;
 }
 
-ShowOutcome PixelWork::show(const ShowRequest& request) {
-  if (request.image_is_new) std::swap(shown_, waiting_);
+void PixelWork::show(const ShowRequest& request) {
+  if (request.image_is_new) shown_ = std::exchange(waiting_, nullptr);
   if (pictures_at_.names(request.vsync_index)) keep_pictures(request.vsync_index);
-  if (error_at_.names(request.vsync_index)) return measure_error(request);
-  const double none = std::numeric_limits<double>::quiet_NaN();
-  return {none, none};
-}
-
-void PixelWork::show_ideal_transfer(std::int64_t version) {
-  if (ideal_->scene().transfer_version == version) return;
-  if (!ideal_->has_own_scene()) {
-    show_transfer(version);
-    return;
-  }
-  ideal_->scene().show_transfer(in_.device, version);
-  ideal_->transfer_changed();
-}
-
-ShowOutcome PixelWork::measure_error(const ShowRequest& request) {
-  const std::int64_t shown_version = in_.scene.transfer_version;
-  show_ideal_transfer(request.transfer_version);
-  const PanelPair ideal = ideal_->show(request.true_world_from_head, request.true_scan);
-  if (!ideal_->has_own_scene()) show_ideal_transfer(shown_version);  // what is cast next still shows it
-  const auto weighted = [&](sim::Eye eye) {
-    const auto i = static_cast<std::size_t>(eye);
-    return weighted_rmse(shown_[i], ideal[i], gaze_weights_->of(eye, request.true_gaze));
-  };
-  return {dssim_from_ssim(ssim(shown_[0], ideal[0], visible_[0])),
-          dssim_from_ssim(ssim(shown_[1], ideal[1], visible_[1])), weighted(sim::Eye::left),
-          weighted(sim::Eye::right)};
+  if (error_at_.names(request.vsync_index)) error_meter_->add(request, shown_);
 }
 
 void PixelWork::keep_pictures(std::int64_t vsync_index) {
   EyePicture picture{vsync_index, fmt::format("{}/{:06}_left.png", in_.picture_folder, vsync_index),
                      fmt::format("{}/{:06}_right.png", in_.picture_folder, vsync_index)};
-  write_png(in_.run.path(picture.left_png), shown_[0]);
-  write_png(in_.run.path(picture.right_png), shown_[1]);
+  write_png(in_.run.path(picture.left_png), (*shown_)[0]);
+  write_png(in_.run.path(picture.right_png), (*shown_)[1]);
   pictures_.push_back(std::move(picture));
 }
 

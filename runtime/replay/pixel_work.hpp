@@ -6,8 +6,7 @@
 #include <vector>
 
 #include "runtime/frame/frame_work.hpp"
-#include "runtime/replay/gaze_source.hpp"
-#include "runtime/replay/ideal_picture.hpp"
+#include "runtime/replay/error_meter.hpp"
 #include "runtime/replay/panel_display.hpp"
 #include "runtime/replay/vsync_selection.hpp"
 #include "runtime/report/report_input.hpp"
@@ -31,6 +30,7 @@ class PixelWork final : public FrameWork {
     std::int64_t vsyncs = 0;       // of the whole run
     RunDirectory& run;             // where pictures go
     std::string picture_folder;    // in the run directory
+    IdealCache& ideals;            // of this replay
     Watchdog* watchdog = nullptr;  // of the eye frames
   };
   explicit PixelWork(const Inputs& inputs);
@@ -39,16 +39,16 @@ class PixelWork final : public FrameWork {
   JobOutcome cast(const CastRequest& request) override;
   CellOutcome cast_cell(const CellRequest& request) override;
   JobOutcome warp(const WarpRequest& request) override;
-  ShowOutcome show(const ShowRequest& request) override;
+  void show(const ShowRequest& request) override;
 
   const std::vector<EyePicture>& pictures() const { return pictures_; }
+  /// Null where no error is measured.
+  ErrorMeter* error_meter() { return error_meter_ ? &*error_meter_ : nullptr; }
   const EyeRenderer& renderer() const { return renderer_; }
   const PanelDisplay& display() const { return display_; }
 
  private:
   JobOutcome show_transfer(std::int64_t version);
-  void show_ideal_transfer(std::int64_t version);
-  ShowOutcome measure_error(const ShowRequest& request);
   void keep_pictures(std::int64_t vsync_index);
 
   Inputs in_;
@@ -57,10 +57,8 @@ class PixelWork final : public FrameWork {
   std::array<EyePair, frame_slots> slots_;
   std::array<CellPoses, frame_slots> cell_poses_;  // of the slots, where cells have poses of their own
   PanelDisplay display_;
-  PanelPair waiting_, shown_;          // of the last warp; of the panels
-  std::optional<IdealPicture> ideal_;  // of the errors
-  std::array<std::vector<std::uint8_t>, 2> visible_;
-  std::optional<GazeWeights> gaze_weights_;  // where errors are measured
+  std::shared_ptr<const PanelPair> waiting_, shown_;  // of the last warp; of the panels
+  std::optional<ErrorMeter> error_meter_;
   std::vector<EyePicture> pictures_;
 };
 

@@ -1,7 +1,6 @@
 #include "runtime/replay/recorded_work.hpp"
 
 #include <algorithm>
-#include <limits>
 
 #include "runtime/timeline/costs_csv.hpp"
 
@@ -19,11 +18,6 @@ JobOutcome RecordedWork::next(JobKind kind) {
   const auto k = static_cast<std::size_t>(kind);
   const std::size_t n = done_[k]++;
   return n < work_[k].size() ? JobOutcome{work_[k][n]} : JobOutcome{};
-}
-
-ShowOutcome RecordedWork::show(const ShowRequest&) {
-  const double none = std::numeric_limits<double>::quiet_NaN();
-  return {none, none};
 }
 
 }  // namespace brace

@@ -19,7 +19,6 @@ class RecordedWork final : public FrameWork {
   JobOutcome update(const UpdateRequest&) override { return next(JobKind::update); }
   JobOutcome cast(const CastRequest&) override { return next(JobKind::cast); }
   JobOutcome warp(const WarpRequest&) override { return next(JobKind::warp); }
-  ShowOutcome show(const ShowRequest&) override;
 
  private:
   /// No work beyond the recording's end; the cost source tells of that.

@@ -17,6 +17,8 @@ namespace brace {
 
 namespace {
 
+constexpr std::uint64_t kIdealBytesMax = 512u << 20;
+
 double cpu_s(const rusage& usage) {
   const auto seconds = [](const timeval& t) {
     return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
@@ -161,12 +163,14 @@ ReplayOutcome replay(const std::vector<LabelledSession>& sessions, const ReplayO
   std::optional<gpu::Device> device;
   std::optional<Headset> headset;
   std::optional<HeadTrace> head_trace;
+  IdealCache ideals(sessions.size() > 1 ? kIdealBytesMax : 0);
   std::vector<Series> all;
   for (const LabelledSession& labelled : sessions) {
     if (!device && needs_device(labelled.session)) device.emplace(gpu::DeviceOptions{.select = options.gpu});
     Headset own_headset = make_headset(labelled.session, options.data_folder);
     HeadTrace own_trace = load_head_trace(labelled.session.trace, options.data_folder);
-    all.push_back(replay_series(labelled, options, own_headset, own_trace, device ? &*device : nullptr, run));
+    all.push_back(
+        replay_series(labelled, options, own_headset, own_trace, device ? &*device : nullptr, run, ideals));
     if (!headset) {
       headset.emplace(std::move(own_headset));
       head_trace.emplace(std::move(own_trace));

@@ -123,6 +123,20 @@ void run_until_failure(const FrameLoopConfig& config, const FrameLoopInputs& inp
   }
 }
 
+/// A device that fails while the last errors are measured leaves those of vsyncs before.
+void take_errors(ErrorMeter& meter, Series& series) {
+  try {
+    meter.finish();
+  } catch (const Error& error) {
+    if (error.exit_code() != ExitCode::device_or_plugin_failed) throw;
+    if (series.failure.empty()) series.failure = error.what();
+  }
+  for (const ErrorMeter::VsyncErrors& one : meter.errors())
+    if (one.vsync_index < static_cast<std::int64_t>(series.records.frames().size()))
+      series.records.set_errors(one.vsync_index, one.errors);
+  if (const std::string note = meter.note(); !note.empty()) series.facts.push_back({"ideal pictures", note});
+}
+
 /// What the watchdog saw, and the jobs over their deadline, each under the stage it was the job of.
 std::vector<WatchdogReport> find_faults(Watchdog& watchdog, const Session& session, const Headset& headset,
                                         std::span<const JobRecord> jobs) {
@@ -151,7 +165,8 @@ void add_fill_facts(const Session& session, const PanelDisplay& display, Series&
 }  // namespace
 
 Series replay_series(const LabelledSession& labelled, const ReplayOptions& options, const Headset& headset,
-                     const HeadTrace& head_trace, const gpu::Device* device, RunDirectory& run) {
+                     const HeadTrace& head_trace, const gpu::Device* device, RunDirectory& run,
+                     IdealCache& ideals) {
   const Session& session = labelled.session;
   Series series;
   series.label = labelled.label;
@@ -178,7 +193,7 @@ Series replay_series(const LabelledSession& labelled, const ReplayOptions& optio
   series.deterministic = cost->deterministic();
 
   SeriesWork work = make_work({session, options, headset, head, placement, device, vsyncs, run,
-                               labelled.label, gaze ? &*gaze : nullptr});
+                               labelled.label, ideals, gaze ? &*gaze : nullptr});
   apply_skip_choice(work, series);
   series.facts.insert(series.facts.end(), work.facts.begin(), work.facts.end());
   series.host_facts = work.host_facts;
@@ -204,6 +219,8 @@ Series replay_series(const LabelledSession& labelled, const ReplayOptions& optio
       wall ? &*wall : nullptr};
   run_until_failure(config, inputs, series);
   sink.finish();
+  if (work.pixels != nullptr && work.pixels->error_meter() != nullptr)
+    take_errors(*work.pixels->error_meter(), series);
   if (config.chunked && config.chunked->give_up_periods > 0) {
     series.facts.push_back({"eye frames given up",
                             fmt::format("{} of {} started: load control wanted fewer rays",

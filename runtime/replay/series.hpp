@@ -8,6 +8,7 @@
 #include "runtime/frame/frame_loop.hpp"
 #include "runtime/gpu/device.hpp"
 #include "runtime/replay/headset.hpp"
+#include "runtime/replay/ideal_cache.hpp"
 #include "runtime/replay/replay.hpp"
 #include "runtime/report/report_input.hpp"
 #include "runtime/report/run_directory.hpp"
@@ -30,10 +31,11 @@ struct Series {
   std::optional<double> stereo_layer_mib;  // memory of a single-pass stage's layers
 };
 
-/// Replays one session; pictures go into `run`. `device` is null when the session needs none. When a stage or
-/// the device fails after vsyncs have been shown, the series ends there and says so in `failure`; before,
-/// that is thrown.
+/// Replays one session; pictures go into `run`, ideal pictures come from `ideals` and go there. `device` is
+/// null when the session needs none. When a stage or the device fails after vsyncs have been shown, the
+/// series ends there and says so in `failure`; before, that is thrown.
 Series replay_series(const LabelledSession& labelled, const ReplayOptions& options, const Headset& headset,
-                     const HeadTrace& head_trace, const gpu::Device* device, RunDirectory& run);
+                     const HeadTrace& head_trace, const gpu::Device* device, RunDirectory& run,
+                     IdealCache& ideals);
 
 }  // namespace brace

@@ -180,7 +180,7 @@ SeriesWork make_work(const SeriesWorkInputs& in) {
     const std::string folder = in.label.empty() ? "images" : "images-" + file_part(in.label);
     auto rendered = std::make_unique<PixelWork>(
         PixelWork::Inputs{*in.device, session, in.headset, *work.scene, in.placement, in.options, in.vsyncs,
-                          in.run, folder, work.watchdog.get()});
+                          in.run, folder, in.ideals, work.watchdog.get()});
     work.pixels = rendered.get();
     work.frame_work = std::move(rendered);
   } else if (work.scene) {

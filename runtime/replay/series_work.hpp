@@ -21,6 +21,7 @@ struct SeriesWorkInputs {
   std::int64_t vsyncs;        // of the whole run
   RunDirectory& run;
   const std::string& label;
+  IdealCache& ideals;          // of the replay
   GazeMotion* gaze = nullptr;  // none: straight ahead
 };
 

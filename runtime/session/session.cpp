@@ -443,11 +443,14 @@ Session parse_session(const std::string& text, const std::string& file_name,
   session.pipeline = read_pipeline(table, stages);
   if (session.pipeline.at("skip").stage.name == "auto")
     session.skip_candidates = read_skip_candidates(table, stages);
-  for (const StageInfo& stage : stages.stages())
+  for (const StageInfo& stage : stages.stages()) {
     if (stage.id() == "rays/full_rate") session.full_rate = {stage, stage_values(table, stage)};
+    if (stage.id() == "cast/native") session.native_cast = {stage, stage_values(table, stage)};
+  }
   session.output.images = read_selection(table, "output.images");
   session.output.error = read_selection(table, "output.error");
   session.output.converged_ideal = table.choice("output.ideal") == "converged";
+  session.output.native_ideal = table.choice("output.ideal_cast") == "native";
   session.output.ideal_by_line = table.choice("output.ideal_pose") == "lines";
   if (table.node("run.frames") != nullptr) {
     session.run.frames = static_cast<std::int64_t>(table.number_in("run.frames", 1, 1e12));

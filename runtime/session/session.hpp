@@ -108,6 +108,7 @@ struct Session {
   /// rays/full_rate, for rays that a stage casts one per pixel whatever pipeline.rays says; empty if there is
   /// none.
   std::optional<PipelineStage> full_rate;
+  std::optional<PipelineStage> native_cast;  // cast/native, for ideal pictures; empty if there is none
 
   struct Output {
     struct Selection {  // of vsyncs
@@ -118,6 +119,7 @@ struct Session {
     Selection images;              // default: first, middle, last
     Selection error;               // vsyncs whose image error is measured
     bool converged_ideal = false;  // the ideal picture's steps are a quarter of the session's, pre-integrated
+    bool native_ideal = false;     // cast by cast/native instead of the session's stage
     bool ideal_by_line = false;    // … and seen line by line from where the head is at each line's photons
   } output;
 

@@ -80,6 +80,10 @@ const std::vector<SessionKey>& session_keys() {
       {"output.ideal", "text", "'session'", "session|converged",
        "what the error is against: the session's own steps at photon time, or steps a quarter as long, "
        "pre-integrated (cast/dvr)"},
+      {"output.ideal_cast", "text", "'session'", "session|native",
+       "the raycaster of the ideal picture: the session's, or cast/native with what cast/dvr is told, which "
+       "is the "
+       "faster one without a GPU"},
       {"output.ideal_pose", "text", "'middle'", "middle|lines",
        "where the ideal picture is seen from: the head's pose at the middle of the photons, or for each line "
        "of a rolling panel at that line's"},

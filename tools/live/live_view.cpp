@@ -106,7 +106,7 @@ void LiveView::make_levels() {
 }
 
 PanelPair LiveView::compare(const PanelPair& shown, const Pose& warp_world_from_head) {
-  const PanelPair reference = ideal_->show(warp_world_from_head);
+  const PanelPair reference = ideal_->show(TruePose{warp_world_from_head});
   std::array<ImageError, 2> errors;
   PanelPair made;
   for (std::size_t i = 0; i < 2; ++i) {

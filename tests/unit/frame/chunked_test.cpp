@@ -1,5 +1,4 @@
 // schedule/chunked in the frame loop.
-#include <cmath>
 #include <map>
 #include <random>
 
@@ -26,7 +25,6 @@ class CellWork final : public FrameWork {
     return outcome;
   }
   JobOutcome warp(const WarpRequest&) override { return {}; }
-  ShowOutcome show(const ShowRequest&) override { return {std::nan(""), std::nan("")}; }
 
  private:
   std::function<std::uint64_t(SimTime, int)> samples_;
@@ -140,7 +138,6 @@ class OwnPoseWork final : public FrameWork {
     shown.push_back(request);
     return {};
   }
-  ShowOutcome show(const ShowRequest&) override { return {std::nan(""), std::nan("")}; }
 
   std::vector<CellRequest> asked;
   std::vector<WarpRequest> shown;

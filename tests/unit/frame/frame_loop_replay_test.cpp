@@ -60,7 +60,7 @@ class RestlessWork final : public FrameWork {
   JobOutcome update(const UpdateRequest& request) override { return disturbed(work_.update(request)); }
   JobOutcome cast(const CastRequest& request) override { return disturbed(work_.cast(request)); }
   JobOutcome warp(const WarpRequest& request) override { return disturbed(work_.warp(request)); }
-  ShowOutcome show(const ShowRequest& request) override { return work_.show(request); }
+  void show(const ShowRequest& request) override { work_.show(request); }
 
  private:
   JobOutcome disturbed(JobOutcome outcome) {

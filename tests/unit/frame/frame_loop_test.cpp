@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 
 #include <gmock/gmock.h>
@@ -295,7 +296,7 @@ class ContractWork final : public FrameWork {
     waiting_ = true;
     return {};
   }
-  ShowOutcome show(const ShowRequest& request) override {
+  void show(const ShowRequest& request) override {
     if (last_shown_ >= 0) {
       EXPECT_EQ(request.vsync_index, last_shown_ + 1);
     }
@@ -305,12 +306,14 @@ class ContractWork final : public FrameWork {
       waiting_ = false;
     }
     last_shown_ = request.vsync_index;
-    return {0.25, 0.5};
+    ++shown_;
   }
+
+  std::int64_t shown() const { return shown_; }
 
  private:
   std::int64_t slots_[frame_slots] = {-1, -1};
-  std::int64_t last_cast_ = -1, last_shown_ = -1;
+  std::int64_t last_cast_ = -1, last_shown_ = -1, shown_ = 0;
   bool waiting_ = false;
 };
 
@@ -328,9 +331,9 @@ TEST(FrameLoop, CallsToThePixelSideKeepTheContractUnderRandomLoads) {
         RandomCost cost(++seed, 40, 14);
         RunRecords records;
         rig.run(records, cost);
-        for (const FrameRecord& r : records.frames()) {
-          ASSERT_EQ(r.displayed_frame >= 0, r.dssim_left == 0.25 && r.dssim_right == 0.5);
-        }
+        const auto with_image = std::count_if(records.frames().begin(), records.frames().end(),
+                                              [](const FrameRecord& r) { return r.displayed_frame >= 0; });
+        ASSERT_EQ(work.shown(), with_image);
       }
     }
   }

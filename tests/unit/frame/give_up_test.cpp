@@ -1,6 +1,5 @@
 // schedule/chunked under load control: a frame that is far too late is given up, and a cheaper one is cast.
 #include <array>
-#include <cmath>
 #include <map>
 
 #include <gtest/gtest.h>
@@ -25,7 +24,6 @@ class ScaledWork final : public FrameWork {
     overwritten += frame_in_slot_.at(static_cast<std::size_t>(request.slot)) != request.frame;
     return {};
   }
-  ShowOutcome show(const ShowRequest&) override { return {std::nan(""), std::nan("")}; }
 
   std::vector<double> qualities;  // of every frame started
   int overwritten = 0;            // warps of a slot that another frame was cast into since

@@ -1,5 +1,4 @@
 // The frame loop by a clock that goes on by itself.
-#include <cmath>
 
 #include <gtest/gtest.h>
 
@@ -36,7 +35,6 @@ class TimedWork final : public FrameWork {
     clock_.take(warp_);
     return {};
   }
-  ShowOutcome show(const ShowRequest&) override { return {std::nan(""), std::nan("")}; }
 
   std::vector<glm::dvec3> poses;  // of cells
 

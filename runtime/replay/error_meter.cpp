@@ -1,0 +1,148 @@
+#include "runtime/replay/error_meter.hpp"
+
+#include <algorithm>
+#include <cstring>
+
+#include <fmt/format.h>
+
+#include "runtime/metrics/image_error.hpp"
+
+namespace brace {
+
+namespace {
+
+constexpr std::size_t kVsyncsAtATime = 8;
+
+void append_pose(std::string& key, const Pose& pose) {
+  const std::array<double, 7> numbers = {pose.position.x,    pose.position.y,    pose.position.z,
+                                         pose.orientation.x, pose.orientation.y, pose.orientation.z,
+                                         pose.orientation.w};
+  key.append(reinterpret_cast<const char*>(numbers.data()), sizeof numbers);
+}
+
+std::string key_of(const IdealPicture& ideal, const ShowRequest& request) {
+  std::string key = fmt::format("{}version {}\n", ideal.identity(), request.transfer_version);
+  append_pose(key, request.true_world_from_head);
+  if (request.true_scan) {
+    append_pose(key, request.true_scan->first_line);
+    append_pose(key, request.true_scan->last_line);
+  }
+  return key;
+}
+
+}  // namespace
+
+ErrorMeter::ErrorMeter(Inputs inputs)
+    : in_(std::move(inputs)),
+      batch_size_(in_.alone ? 1 : std::max(kVsyncsAtATime, in_.ideal->batch_size())),
+      visible_{visible_pixels(in_.headset, sim::Eye::left), visible_pixels(in_.headset, sim::Eye::right)},
+      gaze_weights_(in_.headset) {}
+
+ErrorMeter::~ErrorMeter() {
+  tasks_.cancel();
+  try {
+    tasks_.wait();
+  } catch (...) {  // of a run that has failed already
+  }
+}
+
+void ErrorMeter::add(const ShowRequest& request, std::shared_ptr<const PanelPair> shown) {
+  waiting_.push_back({request, std::move(shown), nullptr, key_of(*in_.ideal, request)});
+  if (waiting_.size() >= batch_size_) measure();
+}
+
+void ErrorMeter::finish() {
+  measure();
+  compare();
+}
+
+void ErrorMeter::measure() {
+  find_ideals();
+  compare();
+}
+
+void ErrorMeter::find_ideals() {
+  std::vector<Waiting*> lacking;
+  for (Waiting& one : waiting_) {
+    one.ideal = in_.cache.find(one.key);
+    if (!one.ideal) lacking.push_back(&one);
+  }
+  reused_ += static_cast<std::int64_t>(waiting_.size() - lacking.size());
+  make_ideals(lacking);
+}
+
+/// Those of the same version of the transfer function and different poses together.
+void ErrorMeter::make_ideals(std::vector<Waiting*>& lacking) {
+  const std::int64_t version_before = in_.ideal->scene().transfer_version;
+  for (auto first = lacking.begin(); first != lacking.end();) {
+    const std::int64_t version = (*first)->request.transfer_version;
+    std::vector<TruePose> heads;
+    std::vector<std::string> keys;
+    auto last = first;
+    for (; last != lacking.end() && (*last)->request.transfer_version == version; ++last) {
+      if (std::find(keys.begin(), keys.end(), (*last)->key) != keys.end()) continue;
+      keys.push_back((*last)->key);
+      heads.push_back({(*last)->request.true_world_from_head, (*last)->request.true_scan});
+    }
+    show_version(version);
+    std::vector<PanelPair> pictures = in_.ideal->show(heads);
+    std::vector<std::shared_ptr<const PanelPair>> shared;
+    for (std::size_t i = 0; i < keys.size(); ++i) {
+      shared.push_back(std::make_shared<const PanelPair>(std::move(pictures[i])));
+      in_.cache.keep(keys[i], shared.back());
+    }
+    for (auto one = first; one != last; ++one)
+      (*one)->ideal =
+          shared[static_cast<std::size_t>(std::find(keys.begin(), keys.end(), (*one)->key) - keys.begin())];
+    made_ += static_cast<std::int64_t>(keys.size());
+    reused_ += last - first - static_cast<std::int64_t>(keys.size());
+    first = last;
+  }
+  if (!in_.ideal->has_own_scene()) show_version(version_before);  // what is cast next still shows it
+}
+
+void ErrorMeter::show_version(std::int64_t version) {
+  if (in_.ideal->scene().transfer_version == version) return;
+  if (!in_.ideal->has_own_scene()) {
+    in_.show_transfer(version);
+    return;
+  }
+  in_.ideal->scene().show_transfer(in_.device, version);
+  in_.ideal->transfer_changed();
+}
+
+/// Takes the figures of the comparisons before, and has the waiting ones made.
+void ErrorMeter::compare() {
+  tasks_.wait();
+  errors_.insert(errors_.end(), found_.begin(), found_.end());
+  compared_ = std::exchange(waiting_, {});
+  found_.assign(compared_.size(), {});
+  for (std::size_t i = 0; i < compared_.size(); ++i) {
+    found_[i].vsync_index = compared_[i].request.vsync_index;
+    const auto measure_dssim = [this, i](std::size_t eye, double PanelErrors::*dssim) {
+      const Waiting& one = compared_[i];
+      found_[i].errors.*dssim = dssim_from_ssim(ssim((*one.shown)[eye], (*one.ideal)[eye], visible_[eye]));
+    };
+    tasks_.run([=] { measure_dssim(0, &PanelErrors::dssim_left); });
+    tasks_.run([=] { measure_dssim(1, &PanelErrors::dssim_right); });
+  }
+  // One after the other: an eye's weights are kept from gaze to gaze.
+  const auto measure_weighted = [this](sim::Eye which, double PanelErrors::*rmse) {
+    const auto eye = static_cast<std::size_t>(which);
+    for (std::size_t i = 0; i < compared_.size(); ++i) {
+      const Waiting& one = compared_[i];
+      found_[i].errors.*rmse =
+          weighted_rmse((*one.shown)[eye], (*one.ideal)[eye], gaze_weights_.of(which, one.request.true_gaze));
+    }
+  };
+  tasks_.run([=] { measure_weighted(sim::Eye::left, &PanelErrors::weighted_rmse_left); });
+  tasks_.run([=] { measure_weighted(sim::Eye::right, &PanelErrors::weighted_rmse_right); });
+  if (in_.alone) tasks_.wait();
+}
+
+std::string ErrorMeter::note() const {
+  if (reused_ == 0) return "";
+  return fmt::format("{} cast, {} again as for an earlier vsync or run", made_, reused_);
+}
+
+}  // namespace brace
