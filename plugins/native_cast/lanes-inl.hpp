@@ -63,6 +63,32 @@ struct WordPair {
   Word first, second;
 };
 
+#if HWY_ARCH_X86 && HWY_TARGET != HWY_SCALAR && HWY_TARGET != HWY_EMU128
+/// from[at[lane]] for each lane.
+template <typename D>
+HWY_INLINE hn::Vec<D> words_of(D d, const std::uint32_t* from, const std::int32_t* at) {
+  if constexpr (hn::MaxLanes(D()) == 4) {
+    const auto one = [&](int lane) { return static_cast<int>(from[at[lane]]); };
+    return hn::Vec<D>{_mm_setr_epi32(one(0), one(1), one(2), one(3))};
+  } else {
+    const hn::Half<D> half;
+    return hn::Combine(d, words_of(half, from, at + hn::MaxLanes(half)), words_of(half, from, at));
+  }
+}
+#endif
+
+/// Words at the same places of two arrays. On x86 lane by lane: gathers are microcode on many processors
+/// (Zen 4: frames without skipping take a tenth less this way).
+HWY_INLINE WordPair gather_two(const std::uint32_t* first, const std::uint32_t* second, Int at) {
+#if HWY_ARCH_X86 && HWY_TARGET != HWY_SCALAR && HWY_TARGET != HWY_EMU128
+  HWY_ALIGN std::int32_t lanes[hn::MaxLanes(Ints())];
+  hn::Store(at, Ints(), lanes);
+  return {words_of(Words(), first, lanes), words_of(Words(), second, lanes)};
+#else
+  return {gather(first, at), gather(second, at)};
+#endif
+}
+
 /// Four floats from `from` + 4 * at per lane, a vector for each.
 struct Quads {
   Float column[4];

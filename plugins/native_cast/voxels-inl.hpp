@@ -41,8 +41,8 @@ HWY_INLINE CellAt cell_at(const PackedVolume& volume, const Point& voxel, Mask w
 
 /// The texel and the one a slice on.
 HWY_INLINE WordPair gather_slices(const PackedVolume& volume, Int texel) {
-  return {gather(volume.texels.data(), texel),
-          gather(volume.texels.data() + PackedVolume::tile_slice_texels, texel)};
+  const std::uint32_t* const near = volume.texels.data();
+  return gather_two(near, near + PackedVolume::tile_slice_texels, texel);
 }
 
 HWY_INLINE Float byte_of(Word texels, int byte) {
