@@ -1,0 +1,245 @@
+#include <algorithm>
+#include <cmath>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include "bench/scaling.hpp"
+
+namespace brace {
+
+namespace {
+
+using nlohmann::ordered_json;
+
+const char* yes_no(bool value) {
+  return value ? "yes" : "no";
+}
+
+std::string dims_text(const std::array<int, 3>& dims) {
+  return fmt::format("{}x{}x{}", dims[0], dims[1], dims[2]);
+}
+
+double per_ray_ns(const ScalingImageRow& row) {
+  return row.rays > 0 ? 1e6 * row.ms / static_cast<double>(row.rays) : 0.0;
+}
+
+std::string threads_text(const ScalingBenchResult& result) {
+  if (result.threads.empty()) return "";
+  std::string text =
+      "cast/native on threads: measured with 1 and 2; simulated from tiles by counted work (their times on "
+      "one thread)\n";
+  text += fmt::format("{:<11} {:>2} {:>4} {:>5} {:>8} {:>8} {:>5} ", "picture", "TF", "map", "tiles", "ms, 1",
+                      "ms, 2", "x");
+  for (const int threads : ScalingBenchResult::thread_counts)
+    text += fmt::format(" {:>13}", fmt::format("x on {}", threads));
+  text += fmt::format(" {:>8}\n", "longest");
+  for (const ScalingThreadsRow& row : result.threads) {
+    text += fmt::format("{:<11} {:>2} {:>4} {:>5} {:>8.1f} {:>8.1f} {:>5.2f} ",
+                        fmt::format("{} x {}", row.width_px, row.height_px), row.transfer, yes_no(row.skips),
+                        row.tiles, row.ms_1, row.ms_2, row.ms_1 / row.ms_2);
+    for (std::size_t i = 0; i < row.speed_ups_counted.size(); ++i)
+      text += fmt::format(" {:>13}",
+                          fmt::format("{:.2f} ({:.2f})", row.speed_ups_counted[i], row.speed_ups_timed[i]));
+    text += fmt::format(" {:>6.2f} %\n", 100.0 * row.longest_tile_ratio);
+  }
+  return text +
+         "map: with a distance map; longest: share of the work in the longest tile. Simulated: threads do "
+         "not "
+         "slow each\nother down, and each takes the next tile as soon as it is free.\n\n";
+}
+
+std::string image_text(const ScalingBenchResult& result) {
+  if (result.image.empty()) return "";
+  std::string text = fmt::format(
+      "Picture, volume {0}^3\n{1:<20} {2:>6} {3:>2} {4:>4} {5:>9} {6:>10} {7:>9} {8:>10} {9:>9}\n",
+      result.edge_voxels, "", "edge", "TF", "map", "ms", "samples", "look-ups", "ns/sample", "ns/ray");
+  for (const ScalingImageRow& row : result.image)
+    text += fmt::format("{:<20} {:>6} {:>2} {:>4} {:>9.2f} {:>8.2f} M {:>7.2f} M {:>10.2f} {:>9.0f}\n",
+                        row.renderer, row.edge_px, row.transfer, yes_no(row.skips), row.ms,
+                        1e-6 * static_cast<double>(row.samples), 1e-6 * static_cast<double>(row.skip_steps),
+                        ns_per_sample(row.ms, row.samples), per_ray_ns(row));
+  return text + "\n";
+}
+
+/// A series of the volume table: which rows, and what it is called.
+struct Series {
+  const char* name;
+  const char* renderer;  // how it begins
+  bool only_chosen;
+};
+constexpr Series all_series[] = {{"cast/native", "cast/native", true},
+                                 {"cast/dvr, the data path that the device takes", "cast/dvr", true},
+                                 {"cast/dvr, sampler", "cast/dvr, sampler", false}};
+
+/// The largest deviation, as a ratio to the first row of the series; 0: fewer than two rows.
+double worst_ratio(const ScalingBenchResult& result, const Series& series, const std::string& transfer,
+                   bool same_distance) {
+  double base_ns = 0.0, worst = 0.0;
+  for (const ScalingVolumeRow& row : result.volume) {
+    if (!row.renderer.starts_with(series.renderer) || row.transfer != transfer) continue;
+    if (series.only_chosen && !row.is_chosen) continue;
+    const double ns = ns_per_sample(row.ms, row.samples);
+    if (base_ns == 0.0) {
+      base_ns = ns;
+    } else if (row.same_distance == same_distance) {
+      const double ratio = ns / base_ns;
+      if (worst == 0.0 || std::abs(ratio - 1.0) > std::abs(worst - 1.0)) worst = ratio;
+    }
+  }
+  return worst;
+}
+
+bool is_met(double ratio) {
+  return std::abs(ratio - 1.0) <= ScalingBenchResult::volume_tolerance;
+}
+
+template <typename Visit>
+void for_each_verdict(const ScalingBenchResult& result, Visit visit) {
+  for (const Series& series : all_series)
+    for (const bool same_distance : {false, true})
+      for (const char* transfer : {"T", "S"}) {
+        const double ratio = worst_ratio(result, series, transfer, same_distance);
+        if (ratio > 0.0) visit(series.name, transfer, same_distance, ratio);
+      }
+}
+
+std::string volume_text(const ScalingBenchResult& result) {
+  if (result.volume.empty()) return "";
+  std::string text = fmt::format(
+      "Volume, {0} x {0} pixels\n{1:<20} {2:>14} {3:>2} {4:>13} {5:>9} {6:>10} "
+      "{7:>10} {8:>6}\n",
+      result.size_px, "", "voxels", "TF", "ray distance", "ms", "samples", "ns/sample", "ratio");
+  for (const ScalingVolumeRow& row : result.volume)
+    text += fmt::format("{:<20} {:>14} {:>2} {:>7.2f} voxel {:>9.1f} {:>8.1f} M {:>10.2f} {:>6.2f}{}\n",
+                        row.renderer, dims_text(row.dims), row.transfer, row.ray_distance_voxels, row.ms,
+                        1e-6 * static_cast<double>(row.samples), ns_per_sample(row.ms, row.samples),
+                        row.ratio, row.is_chosen ? "" : "  (not the path taken here)");
+  text += "ratio: time per sample over that of the same renderer in the first volume.\n";
+  for_each_verdict(result, [&](const char* name, const char* transfer, bool same_distance, double ratio) {
+    text += fmt::format(
+        "Target {}, {}, {}: time per sample within {:.0f} % of the first volume's: at worst "
+        "{:.2f} x, {}\n",
+        transfer, name, same_distance ? "rays as many voxels apart" : "the same picture",
+        100.0 * ScalingBenchResult::volume_tolerance, ratio, is_met(ratio) ? "met" : "not met in this run");
+  });
+  return text + "\n";
+}
+
+std::string empty_text(const ScalingBenchResult& result) {
+  if (result.empty.empty()) return "";
+  std::string text = fmt::format(
+      "Empty voxels, volume {0}^3, {1} x {1} pixels\n{2:<20} {3:>2} {4:>9} {5:>11} {6:>15} {7:>7}\n",
+      result.edge_voxels, result.size_px, "", "TF", "invisible", "without ms", "distance map ms", "ratio");
+  for (const ScalingEmptyRow& row : result.empty)
+    text += fmt::format("{:<20} {:>2} {:>7.1f} % {:>11.2f} {:>15.2f} {:>7.2f}\n", row.renderer, row.transfer,
+                        100.0 * row.empty_ratio, row.none_ms, row.distance_ms, row.distance_ms / row.none_ms);
+  return text + "ratio: with a distance map over without; below 1 the map pays.\n\n";
+}
+
+ordered_json threads_json(const ScalingBenchResult& result) {
+  ordered_json rows = ordered_json::array();
+  for (const ScalingThreadsRow& row : result.threads)
+    rows.push_back({{"width_px", row.width_px},
+                    {"height_px", row.height_px},
+                    {"transfer", row.transfer},
+                    {"skips", row.skips},
+                    {"tiles", row.tiles},
+                    {"ms_1_thread", row.ms_1},
+                    {"ms_2_threads", row.ms_2},
+                    {"longest_tile_ratio", row.longest_tile_ratio},
+                    {"speed_ups_counted", row.speed_ups_counted},
+                    {"speed_ups_timed", row.speed_ups_timed}});
+  return rows;
+}
+
+ordered_json image_json(const ScalingBenchResult& result) {
+  ordered_json rows = ordered_json::array();
+  for (const ScalingImageRow& row : result.image)
+    rows.push_back({{"edge_px", row.edge_px},
+                    {"renderer", row.renderer},
+                    {"transfer", row.transfer},
+                    {"skips", row.skips},
+                    {"rays", row.rays},
+                    {"samples", row.samples},
+                    {"skip_steps", row.skip_steps},
+                    {"ms", row.ms},
+                    {"ns_per_sample", ns_per_sample(row.ms, row.samples)},
+                    {"ns_per_ray", per_ray_ns(row)}});
+  return rows;
+}
+
+ordered_json volume_json(const ScalingBenchResult& result) {
+  ordered_json rows = ordered_json::array();
+  for (const ScalingVolumeRow& row : result.volume)
+    rows.push_back({{"dims", row.dims},
+                    {"renderer", row.renderer},
+                    {"transfer", row.transfer},
+                    {"is_chosen_path", row.is_chosen},
+                    {"same_distance", row.same_distance},
+                    {"ray_distance_voxels", row.ray_distance_voxels},
+                    {"samples", row.samples},
+                    {"ms", row.ms},
+                    {"ns_per_sample", ns_per_sample(row.ms, row.samples)},
+                    {"ratio", row.ratio}});
+  return rows;
+}
+
+ordered_json verdicts_json(const ScalingBenchResult& result) {
+  ordered_json rows = ordered_json::array();
+  for_each_verdict(result, [&](const char* name, const char* transfer, bool same_distance, double ratio) {
+    rows.push_back({{"renderer", name},
+                    {"transfer", transfer},
+                    {"same_distance", same_distance},
+                    {"worst_ratio", ratio},
+                    {"met", is_met(ratio)}});
+  });
+  return rows;
+}
+
+ordered_json empty_json(const ScalingBenchResult& result) {
+  ordered_json rows = ordered_json::array();
+  for (const ScalingEmptyRow& row : result.empty)
+    rows.push_back({{"renderer", row.renderer},
+                    {"transfer", row.transfer},
+                    {"empty_ratio", row.empty_ratio},
+                    {"none_ms", row.none_ms},
+                    {"distance_ms", row.distance_ms},
+                    {"ratio", row.distance_ms / row.none_ms}});
+  return rows;
+}
+
+}  // namespace
+
+std::string to_text(const ScalingBenchResult& result) {
+  std::string text = fmt::format(
+      "Scaling of ray casting on {}, {} host cores at a load of {:.1f}, the shortest of {} casts\n\n",
+      result.device, result.host_cores, result.host_load, result.repetitions);
+  text += threads_text(result) + image_text(result) + volume_text(result) + empty_text(result);
+  for (const std::string& note : result.notes)
+    text += note + "\n";
+  while (text.ends_with('\n'))
+    text.pop_back();
+  return text;
+}
+
+std::string to_json(const ScalingBenchResult& result) {
+  const ordered_json json = {{"bench", "scaling"},
+                             {"device", result.device},
+                             {"host_cores", result.host_cores},
+                             {"host_load", result.host_load},
+                             {"repetitions", result.repetitions},
+                             {"size_px", result.size_px},
+                             {"edge_voxels", result.edge_voxels},
+                             {"thread_counts", ScalingBenchResult::thread_counts},
+                             {"threads", threads_json(result)},
+                             {"image", image_json(result)},
+                             {"volume", volume_json(result)},
+                             {"volume_tolerance", ScalingBenchResult::volume_tolerance},
+                             {"volume_verdicts", verdicts_json(result)},
+                             {"empty", empty_json(result)},
+                             {"notes", result.notes}};
+  return json.dump(2);
+}
+
+}  // namespace brace
