@@ -10,8 +10,9 @@ namespace brace {
 
 namespace {
 
-void split(const CastArea& area, int tile_px, std::vector<CastArea>& tiles) {
-  if (area.width <= tile_px && area.height <= tile_px) {
+/// `area` counts tiles.
+void split(const CastArea& area, std::vector<CastArea>& tiles) {
+  if (area.width == 1 && area.height == 1) {
     tiles.push_back(area);
     return;
   }
@@ -25,8 +26,8 @@ void split(const CastArea& area, int tile_px, std::vector<CastArea>& tiles) {
     second.y += first.height;
     second.height -= first.height;
   }
-  split(first, tile_px, tiles);
-  split(second, tile_px, tiles);
+  split(first, tiles);
+  split(second, tiles);
 }
 
 }  // namespace
@@ -34,7 +35,13 @@ void split(const CastArea& area, int tile_px, std::vector<CastArea>& tiles) {
 std::vector<CastArea> split_tiles(int width_px, int height_px, int tile_px) {
   BRACE_CHECK(width_px > 0 && height_px > 0 && tile_px > 0);
   std::vector<CastArea> tiles;
-  split({0, 0, width_px, height_px}, tile_px, tiles);
+  split({0, 0, (width_px + tile_px - 1) / tile_px, (height_px + tile_px - 1) / tile_px}, tiles);
+  for (CastArea& tile : tiles) {
+    tile.x *= tile_px;
+    tile.y *= tile_px;
+    tile.width = std::min(tile_px, width_px - tile.x);
+    tile.height = std::min(tile_px, height_px - tile.y);
+  }
   return tiles;
 }
 

@@ -8,9 +8,8 @@
 
 namespace brace {
 
-/// The tiles that oneTBB makes of a picture, in the order of one thread: parallel_for over a blocked_range2d
-/// with the simple partitioner halves the longer edge until no edge is longer than `tile_px`. So the tiles of
-/// 512 x 512 have 32 x 32 pixels, but those of 1080 x 1200 only 16 or 17 x 18 or 19.
+/// The tiles of a picture, in the order in which one thread of oneTBB takes them: parallel_for over a
+/// blocked_range2d of whole tiles halves its longer edge until one tile is left.
 std::vector<CastArea> split_tiles(int width_px, int height_px, int tile_px);
 
 /// Time until the last of `threads` is done, in the unit of `costs`, where each thread that is free takes the
