@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdlib>
+#include <ctime>
 #include <numeric>
 
 #include "runtime/host/stage_glsl.hpp"
@@ -52,6 +53,12 @@ TransferTable scene_table(const TransferFunction& function) {
 double host_load() {
   std::array<double, 1> load{};
   return getloadavg(load.data(), 1) == 1 ? load[0] : 0.0;
+}
+
+double process_cpu_ms() {
+  timespec time{};
+  clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &time);
+  return 1e3 * static_cast<double>(time.tv_sec) + 1e-6 * static_cast<double>(time.tv_nsec);
 }
 
 const StageInfo* find_native(const StageRegistry& registry) {
@@ -144,21 +151,27 @@ WorkCounts RaycastRig::count(std::size_t transfer) {
   return native_ ? done.counted : pipeline_.counted(device_);
 }
 
-double RaycastRig::cast_ms(std::size_t transfer) {
+RaycastRig::CastTime RaycastRig::time_cast(std::size_t transfer) {
   const CastPipeline::Resources in = resources(cases_[transfer]);
   const CastArea all{0, 0, in.rays_across(), in.rays_down()};
   commands_.reset();
   pipeline_.record_opening(commands_, in, all);
-  commands_.barrier();
+  gpu::submit_and_wait(commands_);
+  CastTime time;
+  const double cpu_before_ms = process_cpu_ms();
   if (native_) {
-    gpu::submit_and_wait(commands_);
-    return cast_part(transfer, all).ms;
+    time.ms = cast_part(transfer, all).ms;
+  } else {
+    commands_.reset();
+    commands_.barrier();
+    commands_.begin_timing("cast");
+    pipeline_.record_cast(commands_, in, all);
+    commands_.barrier();
+    commands_.end_timing();
+    time.ms = 1e-6 * static_cast<double>(gpu::device_ns(gpu::submit_and_wait(commands_), "cast"));
   }
-  commands_.begin_timing("cast");
-  pipeline_.record_cast(commands_, in, all);
-  commands_.barrier();
-  commands_.end_timing();
-  return 1e-6 * static_cast<double>(gpu::device_ns(gpu::submit_and_wait(commands_), "cast"));
+  if (native_ || device_.limits().is_software) time.cpu_ms = process_cpu_ms() - cpu_before_ms;
+  return time;
 }
 
 RaycastRig::Part RaycastRig::cast_part(std::size_t transfer, const CastArea& area) {

@@ -19,6 +19,9 @@ namespace brace {
 /// The load average of the last minute; 0: not known.
 double host_load();
 
+/// CPU time of all threads of this process so far.
+double process_cpu_ms();
+
 /// cast/native; null where its plug-in was not found.
 const StageInfo* find_native(const StageRegistry& registry);
 
@@ -53,9 +56,12 @@ class RaycastRig {
   EyeCastOutcome cast_frame(std::size_t transfer);
   /// The same once, for the work of the cast.
   WorkCounts count(std::size_t transfer);
-  /// Opening and closing brace left out: how long the cast alone takes, device time of kernels and host time
-  /// of a native stage.
-  double cast_ms(std::size_t transfer);
+  /// How long the cast alone takes, opening and closing brace left out.
+  struct CastTime {
+    double ms = 0;      // device time of kernels, host time of a native stage
+    double cpu_ms = 0;  // of all threads; 0 where the work is not done on the CPU
+  };
+  CastTime time_cast(std::size_t transfer);
   /// cast/native alone on part of the rays, which must have been opened by one of the above.
   struct Part {
     WorkCounts counted;

@@ -16,7 +16,8 @@ namespace brace {
 
 /// How ray casting scales with threads, with the picture, with the volume and with the share of it that is
 /// empty: the benchmark scene (raycast_scene.hpp) by cast/native and cast/dvr. Times are of the cast alone,
-/// without opening and closing brace, the shortest of the repetitions.
+/// without opening and closing brace, the shortest of the repetitions; CPU times of all threads (0: not
+/// done on the CPU) change less on a busy machine.
 struct ScalingBenchOptions {
   struct Picture {
     int width_px = 0, height_px = 0;
@@ -30,7 +31,7 @@ struct ScalingBenchOptions {
   std::vector<Picture> thread_pictures = {{512, 512}, {1024, 1024}, {1080, 1200}};
   std::vector<int> image_edges_px = {128, 256, 512, 1024};
   std::vector<std::array<int, 3>> volumes = {
-      {128, 128, 128}, {256, 256, 256}, {512, 512, 460}, {512, 512, 512}, {1024, 1024, 795}};  // first: base
+      {128, 128, 128}, {256, 256, 256}, {512, 512, 460}, {1024, 1024, 795}};  // first: base
   std::vector<double> empty_shares = {0.0, 0.1, 0.25, 0.5, 0.75, 0.9, 0.97, 0.99, 0.999};
   int size_px = 512;                               // of the picture for volume and empty
   int edge_voxels = 256;                           // of the volume for threads, image and empty
@@ -55,7 +56,7 @@ struct ScalingImageRow {
   std::string renderer, transfer;
   bool skips = false;
   std::uint64_t rays = 0, samples = 0, skip_steps = 0;
-  double ms = 0;
+  double ms = 0, cpu_ms = 0;
 };
 
 struct ScalingVolumeRow {
@@ -65,8 +66,7 @@ struct ScalingVolumeRow {
   bool same_distance = false;  // rays as many voxels apart as in the base volume: a narrower field of view
   double ray_distance_voxels = 0;  // in the middle of the volume
   std::uint64_t samples = 0;
-  double ms = 0;
-  double ratio = 0;  // time per sample over that of the base volume
+  double ms = 0, cpu_ms = 0;
 };
 
 struct ScalingEmptyRow {
@@ -90,8 +90,6 @@ struct ScalingBenchResult {
   std::vector<ScalingEmptyRow> empty;
   std::vector<std::string> notes;
 };
-
-double ns_per_sample(double ms, std::uint64_t samples);
 
 /// Throws brace::Error (an unknown part, no device, missing data files). A volume that the device cannot hold
 /// becomes a note.

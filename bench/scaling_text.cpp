@@ -20,6 +20,10 @@ std::string dims_text(const std::array<int, 3>& dims) {
   return fmt::format("{}x{}x{}", dims[0], dims[1], dims[2]);
 }
 
+double ns_per_sample(double ms, std::uint64_t samples) {
+  return samples > 0 ? 1e6 * ms / static_cast<double>(samples) : 0.0;
+}
+
 double per_ray_ns(const ScalingImageRow& row) {
   return row.rays > 0 ? 1e6 * row.ms / static_cast<double>(row.rays) : 0.0;
 }
@@ -52,13 +56,15 @@ std::string threads_text(const ScalingBenchResult& result) {
 std::string image_text(const ScalingBenchResult& result) {
   if (result.image.empty()) return "";
   std::string text = fmt::format(
-      "Picture, volume {0}^3\n{1:<20} {2:>6} {3:>2} {4:>4} {5:>9} {6:>10} {7:>9} {8:>10} {9:>9}\n",
-      result.edge_voxels, "", "edge", "TF", "map", "ms", "samples", "look-ups", "ns/sample", "ns/ray");
+      "Picture, volume {0}^3\n{1:<20} {2:>6} {3:>2} {4:>4} {5:>9} {6:>10} {7:>9} {8:>10} {9:>14} {10:>9}\n",
+      result.edge_voxels, "", "edge", "TF", "map", "ms", "samples", "look-ups", "ns/sample", "CPU ns/sample",
+      "ns/ray");
   for (const ScalingImageRow& row : result.image)
-    text += fmt::format("{:<20} {:>6} {:>2} {:>4} {:>9.2f} {:>8.2f} M {:>7.2f} M {:>10.2f} {:>9.0f}\n",
-                        row.renderer, row.edge_px, row.transfer, yes_no(row.skips), row.ms,
-                        1e-6 * static_cast<double>(row.samples), 1e-6 * static_cast<double>(row.skip_steps),
-                        ns_per_sample(row.ms, row.samples), per_ray_ns(row));
+    text += fmt::format(
+        "{:<20} {:>6} {:>2} {:>4} {:>9.2f} {:>8.2f} M {:>7.2f} M {:>10.2f} {:>14.2f} {:>9.0f}\n",
+        row.renderer, row.edge_px, row.transfer, yes_no(row.skips), row.ms,
+        1e-6 * static_cast<double>(row.samples), 1e-6 * static_cast<double>(row.skip_steps),
+        ns_per_sample(row.ms, row.samples), ns_per_sample(row.cpu_ms, row.samples), per_ray_ns(row));
   return text + "\n";
 }
 
@@ -69,60 +75,71 @@ struct Series {
   bool only_chosen;
 };
 constexpr Series all_series[] = {{"cast/native", "cast/native", true},
-                                 {"cast/dvr, the data path that the device takes", "cast/dvr", true},
+                                 {"cast/dvr on the path taken", "cast/dvr", true},
                                  {"cast/dvr, sampler", "cast/dvr, sampler", false}};
 
-/// The largest deviation, as a ratio to the first row of the series; 0: fewer than two rows.
-double worst_ratio(const ScalingBenchResult& result, const Series& series, const std::string& transfer,
-                   bool same_distance) {
-  double base_ns = 0.0, worst = 0.0;
+/// Costs per sample over those of the first volume, where they are farthest from it; 0: not measured.
+struct Verdict {
+  const char* series;
+  const char* transfer;
+  bool same_distance;
+  double ratio = 0, cpu_ratio = 0;
+
+  bool is_met() const { return std::abs(ratio - 1.0) <= ScalingBenchResult::volume_tolerance; }
+};
+
+void take_worse(double& worst, double value, double base) {
+  const double ratio = base > 0.0 ? value / base : 0.0;
+  if (worst == 0.0 || std::abs(ratio - 1.0) > std::abs(worst - 1.0)) worst = ratio;
+}
+
+Verdict judge(const ScalingBenchResult& result, const Series& series, const char* transfer,
+              bool same_distance) {
+  Verdict verdict{series.name, transfer, same_distance};
+  const ScalingVolumeRow* base = nullptr;
   for (const ScalingVolumeRow& row : result.volume) {
     if (!row.renderer.starts_with(series.renderer) || row.transfer != transfer) continue;
     if (series.only_chosen && !row.is_chosen) continue;
-    const double ns = ns_per_sample(row.ms, row.samples);
-    if (base_ns == 0.0) {
-      base_ns = ns;
+    if (base == nullptr) {
+      base = &row;
     } else if (row.same_distance == same_distance) {
-      const double ratio = ns / base_ns;
-      if (worst == 0.0 || std::abs(ratio - 1.0) > std::abs(worst - 1.0)) worst = ratio;
+      take_worse(verdict.ratio, ns_per_sample(row.ms, row.samples), ns_per_sample(base->ms, base->samples));
+      take_worse(verdict.cpu_ratio, ns_per_sample(row.cpu_ms, row.samples),
+                 ns_per_sample(base->cpu_ms, base->samples));
     }
   }
-  return worst;
+  return verdict;
 }
 
-bool is_met(double ratio) {
-  return std::abs(ratio - 1.0) <= ScalingBenchResult::volume_tolerance;
-}
-
-template <typename Visit>
-void for_each_verdict(const ScalingBenchResult& result, Visit visit) {
+std::vector<Verdict> judge_all(const ScalingBenchResult& result) {
+  std::vector<Verdict> verdicts;
   for (const Series& series : all_series)
     for (const bool same_distance : {false, true})
       for (const char* transfer : {"T", "S"}) {
-        const double ratio = worst_ratio(result, series, transfer, same_distance);
-        if (ratio > 0.0) visit(series.name, transfer, same_distance, ratio);
+        const Verdict verdict = judge(result, series, transfer, same_distance);
+        if (verdict.ratio > 0.0) verdicts.push_back(verdict);
       }
+  return verdicts;
 }
 
 std::string volume_text(const ScalingBenchResult& result) {
   if (result.volume.empty()) return "";
   std::string text = fmt::format(
-      "Volume, {0} x {0} pixels\n{1:<20} {2:>14} {3:>2} {4:>13} {5:>9} {6:>10} "
-      "{7:>10} {8:>6}\n",
-      result.size_px, "", "voxels", "TF", "ray distance", "ms", "samples", "ns/sample", "ratio");
+      "Volume, {0} x {0} pixels\n{1:<20} {2:>14} {3:>2} {4:>13} {5:>9} {6:>10} {7:>10} {8:>14}\n",
+      result.size_px, "", "voxels", "TF", "ray distance", "ms", "samples", "ns/sample", "CPU ns/sample");
   for (const ScalingVolumeRow& row : result.volume)
-    text += fmt::format("{:<20} {:>14} {:>2} {:>7.2f} voxel {:>9.1f} {:>8.1f} M {:>10.2f} {:>6.2f}{}\n",
-                        row.renderer, dims_text(row.dims), row.transfer, row.ray_distance_voxels, row.ms,
-                        1e-6 * static_cast<double>(row.samples), ns_per_sample(row.ms, row.samples),
-                        row.ratio, row.is_chosen ? "" : "  (not the path taken here)");
-  text += "ratio: time per sample over that of the same renderer in the first volume.\n";
-  for_each_verdict(result, [&](const char* name, const char* transfer, bool same_distance, double ratio) {
-    text += fmt::format(
-        "Target {}, {}, {}: time per sample within {:.0f} % of the first volume's: at worst "
-        "{:.2f} x, {}\n",
-        transfer, name, same_distance ? "rays as many voxels apart" : "the same picture",
-        100.0 * ScalingBenchResult::volume_tolerance, ratio, is_met(ratio) ? "met" : "not met in this run");
-  });
+    text +=
+        fmt::format("{:<20} {:>14} {:>2} {:>7.2f} voxel {:>9.1f} {:>8.1f} M {:>10.2f} {:>14.2f}{}\n",
+                    row.renderer, dims_text(row.dims), row.transfer, row.ray_distance_voxels, row.ms,
+                    1e-6 * static_cast<double>(row.samples), ns_per_sample(row.ms, row.samples),
+                    ns_per_sample(row.cpu_ms, row.samples), row.is_chosen ? "" : "  (not the path taken)");
+  text += fmt::format("Target: time per sample within {:.0f} % of that of the first volume, at worst:\n",
+                      100.0 * ScalingBenchResult::volume_tolerance);
+  for (const Verdict& verdict : judge_all(result))
+    text +=
+        fmt::format("  {}, {}, {}: {:.2f} x ({:.2f} x by CPU time), {}\n", verdict.series, verdict.transfer,
+                    verdict.same_distance ? "rays as many voxels apart" : "the same picture", verdict.ratio,
+                    verdict.cpu_ratio, verdict.is_met() ? "met" : "not met in this run");
   return text + "\n";
 }
 
@@ -164,7 +181,9 @@ ordered_json image_json(const ScalingBenchResult& result) {
                     {"samples", row.samples},
                     {"skip_steps", row.skip_steps},
                     {"ms", row.ms},
+                    {"cpu_ms", row.cpu_ms},
                     {"ns_per_sample", ns_per_sample(row.ms, row.samples)},
+                    {"cpu_ns_per_sample", ns_per_sample(row.cpu_ms, row.samples)},
                     {"ns_per_ray", per_ray_ns(row)}});
   return rows;
 }
@@ -180,20 +199,21 @@ ordered_json volume_json(const ScalingBenchResult& result) {
                     {"ray_distance_voxels", row.ray_distance_voxels},
                     {"samples", row.samples},
                     {"ms", row.ms},
+                    {"cpu_ms", row.cpu_ms},
                     {"ns_per_sample", ns_per_sample(row.ms, row.samples)},
-                    {"ratio", row.ratio}});
+                    {"cpu_ns_per_sample", ns_per_sample(row.cpu_ms, row.samples)}});
   return rows;
 }
 
 ordered_json verdicts_json(const ScalingBenchResult& result) {
   ordered_json rows = ordered_json::array();
-  for_each_verdict(result, [&](const char* name, const char* transfer, bool same_distance, double ratio) {
-    rows.push_back({{"renderer", name},
-                    {"transfer", transfer},
-                    {"same_distance", same_distance},
-                    {"worst_ratio", ratio},
-                    {"met", is_met(ratio)}});
-  });
+  for (const Verdict& verdict : judge_all(result))
+    rows.push_back({{"renderer", verdict.series},
+                    {"transfer", verdict.transfer},
+                    {"same_distance", verdict.same_distance},
+                    {"worst_ratio", verdict.ratio},
+                    {"worst_cpu_ratio", verdict.cpu_ratio},
+                    {"met", verdict.is_met()}});
   return rows;
 }
 
