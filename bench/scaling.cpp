@@ -28,7 +28,7 @@ constexpr int native_tile_px = 32;  // as plugins/native_cast has it
 constexpr double skip_step_cost = 2.0;
 constexpr double ray_cost = 10.0;
 
-constexpr double patience_s = 10.0;  // after that no more repetitions than two
+constexpr double patience_s = 10.0;  // after that no more repetitions
 
 double counted_cost(const WorkCounts& counts) {
   return static_cast<double>(counts.samples) + skip_step_cost * static_cast<double>(counts.skip_steps) +
@@ -47,7 +47,7 @@ std::vector<RaycastRig::CastTime> shortest(int repetitions, const std::vector<Ca
   const auto begin = std::chrono::steady_clock::now();
   for (int i = 0; i < repetitions; ++i) {
     const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - begin;
-    if (i >= 2 && spent.count() > patience_s) break;
+    if (spent.count() > patience_s) break;
     for (std::size_t k = 0; k < all.size(); ++k) {
       const RaycastRig::CastTime time = all[k].rig.time_cast(all[k].transfer);
       shortest[k].ms = std::min(shortest[k].ms, time.ms);
@@ -88,13 +88,6 @@ RaycastScene scene_for(int edge_voxels, int width_px, int height_px) {
   const double scale = 256.0 / edge_voxels;
   scene.transfers = {{"T", scene_transfer("T", 20.0, scale)}, {"S", scene_transfer("S", 140.0, scale)}};
   return scene;
-}
-
-void narrow(EyeView& eye, double factor) {
-  eye.tan_left *= factor;
-  eye.tan_right *= factor;
-  eye.tan_bottom *= factor;
-  eye.tan_top *= factor;
 }
 
 /// The longest edge is as long as the placement says.
@@ -253,15 +246,15 @@ void ScalingBench::volume_of(const SceneVolume& volume, bool is_chosen) {
   for (const StageInfo* native : casters()) {
     if (native != nullptr && !is_chosen) continue;
     casts_of(volume, native, is_chosen, false);
-    if (volume.ball.dims != options_.volumes.front()) casts_of(volume, native, is_chosen, true);
+    casts_of(volume, native, is_chosen, true);
   }
 }
 
 void ScalingBench::casts_of(const SceneVolume& volume, const StageInfo* native, bool is_chosen,
                             bool same_distance) {
   const int edge = longest(volume.ball.dims);
-  RaycastScene scene = scene_for(edge, options_.size_px, options_.size_px);
-  if (same_distance) narrow(scene.eye, static_cast<double>(longest(options_.volumes.front())) / edge);
+  const int size_px = same_distance ? options_.size_px * edge / options_.edge_voxels : options_.size_px;
+  const RaycastScene scene = scene_for(edge, size_px, size_px);
   const auto caster = rig(scene, {volume, SkipKind::none, native});
   std::vector<ScalingVolumeRow> rows;
   for (std::size_t t = 0; t < scene.transfers.size(); ++t) {
@@ -271,6 +264,7 @@ void ScalingBench::casts_of(const SceneVolume& volume, const StageInfo* native, 
     row.transfer = scene.transfers[t].name;
     row.is_chosen = is_chosen;
     row.same_distance = same_distance;
+    row.size_px = size_px;
     row.ray_distance_voxels = ray_distance_voxels(scene, edge);
     row.samples = caster->count(t).samples;
     rows.push_back(row);

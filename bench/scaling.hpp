@@ -62,8 +62,9 @@ struct ScalingImageRow {
 struct ScalingVolumeRow {
   std::array<int, 3> dims{};
   std::string renderer, transfer;
-  bool is_chosen = true;       // false: a data path that the device does not take by itself
-  bool same_distance = false;  // rays as many voxels apart as in the base volume: a narrower field of view
+  bool is_chosen = true;           // false: a data path that the device does not take by itself
+  bool same_distance = false;      // the picture grows with the volume
+  int size_px = 0;                 // of the picture
   double ray_distance_voxels = 0;  // in the middle of the volume
   std::uint64_t samples = 0;
   double ms = 0, cpu_ms = 0;
