@@ -146,7 +146,7 @@ std::string volume_text(const ScalingBenchResult& result) {
     text += fmt::format("  {}, {}, {}: {:.2f} x by CPU time, {:.2f} x by time, {}\n", verdict.series,
                         verdict.transfer,
                         verdict.same_distance ? "picture as large as the volume" : "the same picture",
-                        verdict.ratio, verdict.cpu_ratio, verdict.is_met() ? "met" : "not met in this run");
+                        verdict.cpu_ratio, verdict.ratio, verdict.is_met() ? "met" : "not met in this run");
   return text + "\n";
 }
 
