@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <memory>
 #include <string>
 #include <vector>
@@ -24,8 +25,19 @@ struct RaycastScene {
   double termination_opacity = 0.99;
 };
 
+/// The volume to make. Its content fills the box, whatever the box's shape: a ball becomes an ellipsoid.
+struct SceneBall {
+  std::array<int, 3> dims = {256, 256, 256};
+  double radius = 0.645;  // of the zero level, where half the box is 1
+  double slope = 1.55;    // of the value towards the middle, full scale 1
+};
+
 /// The volume, made from a formula slice by slice: the same bytes everywhere.
-std::unique_ptr<VolumeSource> open_scene_volume(int edge = 256);
+std::unique_ptr<VolumeSource> open_scene_volume(const SceneBall& ball = {});
+
+/// The scene's transfer function "T" or "S", empty up to `visible_above` (below 0: nowhere), its absorption
+/// times `absorption_scale`.
+TransferFunction scene_transfer(const std::string& name, double visible_above, double absorption_scale = 1.0);
 
 RaycastScene make_raycast_scene(int width_px = 512, int height_px = 512);
 

@@ -14,6 +14,7 @@
 #include "bench/plan.hpp"
 #include "bench/raycast.hpp"
 #include "bench/replay.hpp"
+#include "bench/scaling.hpp"
 #include "bench/schedule.hpp"
 #include "bench/skip.hpp"
 #include "bench/stereo.hpp"
@@ -119,6 +120,26 @@ std::string run_mab(const BenchCommand& command) {
   return command.json ? to_json(result) : to_text(result);
 }
 
+std::string run_scaling(const BenchCommand& command) {
+  ScalingBenchOptions options;
+  options.device = device_options(command);
+  options.data_folder = data_folder();
+  options.stages = make_stages({}).registry;
+  options.progress = [](std::string_view line) { fmt::print(stderr, "{}\n", line); };
+  if (command.quick) {
+    options.repetitions = 2;
+    options.thread_pictures = {{256, 256}};
+    options.image_edges_px = {64, 128, 256};
+    options.volumes = {{64, 64, 64}, {128, 128, 128}, {192, 192, 150}};
+    options.empty_shares = {0.0, 0.5, 0.9, 0.99};
+    options.size_px = 256;
+    options.edge_voxels = 128;
+  }
+  if (!command.parts.empty()) options.parts = command.parts;
+  const ScalingBenchResult result = bench_scaling(options);
+  return command.json ? to_json(result) : to_text(result);
+}
+
 std::string run_schedule(const BenchCommand& command) {
   const ScheduleBenchResult result = bench_schedule({make_stages({}).registry});
   return command.json ? to_json(result) : to_text(result);
@@ -183,6 +204,7 @@ const std::vector<Benchmark>& benchmarks() {
                                              {"integrators", run_integrators},
                                              {"mab", run_mab},
                                              {"plan", run_plan},
+                                             {"scaling", run_scaling},
                                              {"schedule", run_schedule},
                                              {"stereo", run_stereo},
                                              {"warp", run_warp}};

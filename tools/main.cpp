@@ -233,9 +233,9 @@ void add_bench(CLI::App& app, BenchCommand& command, Action& action) {
   CLI::App* bench =
       app.add_subcommand("bench", "Measure this machine against published and installed rivals");
   bench
-      ->add_option(
-          "name", command.name,
-          "raycast, replay, distort, skip, costs, host, integrators, mab, plan, schedule, stereo or warp")
+      ->add_option("name", command.name,
+                   "raycast, replay, distort, skip, costs, host, integrators, mab, plan, scaling, schedule, "
+                   "stereo or warp")
       ->required();
   add_gpu_option(*bench, command.gpu);
   bench->add_flag("--quick", command.quick, "Fewer repetitions: a first look, not a figure to quote");
@@ -246,7 +246,8 @@ void add_bench(CLI::App& app, BenchCommand& command, Action& action) {
       ->add_option(
           "--part", command.parts,
           "skip: updates, frames, threshold or octants; stereo: methods, shading, layers or resolution; "
-          "mab: atlases, errors, times or controls; may be given again")
+          "mab: atlases, errors, times or controls; scaling: threads, image, volume or empty; may be given "
+          "again")
       ->take_all();
   bench
       ->add_option("--volume", command.volumes,

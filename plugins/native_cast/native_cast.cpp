@@ -21,7 +21,8 @@ namespace {
 using namespace native_cast;
 
 // A tile is what one thread takes at a time: large enough that taking it costs nothing, small enough that 64
-// threads find work in a picture of 512 x 512.
+// threads find work in a picture of 512 x 512. Whole packets of rays fit, whatever the instruction set; so
+// the picture is cut into tiles, not halved until a part is small enough.
 constexpr std::uint32_t tile_px = 32;
 
 enum Parameter {
@@ -161,8 +162,9 @@ class NativeCast {
     std::array<std::atomic<std::uint64_t>, 4> sums{};
     std::atomic<brace_result> result{BRACE_OK};
     const auto cast = [&](const tbb::blocked_range2d<std::uint32_t>& tile) {
-      const brace_area part{area.x + tile.cols().begin(), area.y + tile.rows().begin(),
-                            tile.cols().end() - tile.cols().begin(), tile.rows().end() - tile.rows().begin()};
+      const std::uint32_t x = tile.cols().begin() * tile_px, y = tile.rows().begin() * tile_px;
+      const brace_area part{area.x + x, area.y + y, std::min(tile_px, area.width - x),
+                            std::min(tile_px, area.height - y)};
       brace_work_counts counts{};
       const brace_result done = cast_area(scene_, rays, part, counts);
       if (done != BRACE_OK) result = done;
@@ -171,9 +173,11 @@ class NativeCast {
       for (std::size_t i = 0; i < 4; ++i)
         sums[i].fetch_add(counted[i], std::memory_order_relaxed);
     };
+    const std::uint32_t across = (area.width + tile_px - 1) / tile_px;
+    const std::uint32_t down = (area.height + tile_px - 1) / tile_px;
     arena_->execute([&] {
-      tbb::parallel_for(tbb::blocked_range2d<std::uint32_t>(0, area.height, tile_px, 0, area.width, tile_px),
-                        cast, tbb::simple_partitioner());
+      tbb::parallel_for(tbb::blocked_range2d<std::uint32_t>(0, down, 1, 0, across, 1), cast,
+                        tbb::simple_partitioner());
     });
     all.rays = sums[0];
     all.samples = sums[1];
