@@ -112,7 +112,8 @@ std::uint64_t GuardedBuffer::spoilt(const gpu::Device& device) const {
 
 BenchScene::BenchScene(const gpu::Device& device)
     : host_volume(load_volume(*open_volume(kVolume))),
-      volume(device, *open_volume(kVolume)),
+      scan(host_volume.info.type),
+      volume(device, *open_volume(kVolume), VolumePath::automatic, &scan),
       table(bench_table()),
       transfer(device, table, step_units, {.integrals = true, .segments = true}),
       placement{{}, 0.4} {}
@@ -138,7 +139,8 @@ EyeView bench_eye(BenchView view, PictureSizePx size) {
 }
 
 CastPipeline bench_pipeline(const CheckOptions& options, const BenchScene& scene, const PipelineStage& stage,
-                            const std::vector<std::pair<std::string, std::string>>& snippets) {
+                            const std::vector<std::pair<std::string, std::string>>& snippets,
+                            std::span<const gpu::Binding> more) {
   const PipelineStage* const chosen[] = {&stage};
   StageGlsl glsl = stage_glsl(chosen);
   CastParts parts;
@@ -157,7 +159,9 @@ CastPipeline bench_pipeline(const CheckOptions& options, const BenchScene& scene
   for (const gpu::KernelDescription* kernel : {&kernels.opening, &kernels.cast, &kernels.closing}) {
     const gpu::CompiledKernel compiled = gpu::compile(*kernel);
     for (const auto& binding : gpu::reflect(compiled.spirv, kernel->main.name).bindings) {
-      if (binding.slot <= CastSlot::eye_depth || binding.slot == CastSlot::transfer_integrals ||
+      const bool is_bound = std::any_of(more.begin(), more.end(),
+                                        [&](const gpu::Binding& one) { return one.slot == binding.slot; });
+      if (is_bound || binding.slot <= CastSlot::eye_depth || binding.slot == CastSlot::transfer_integrals ||
           binding.slot == CastSlot::transfer_segments) {
         continue;
       }

@@ -10,6 +10,7 @@
 #include "runtime/conformance/suite.hpp"
 #include "runtime/host/stage_glsl.hpp"
 #include "runtime/raycast/native_steps.hpp"
+#include "runtime/volume/statistics.hpp"
 
 namespace brace {
 
@@ -56,6 +57,7 @@ struct BenchScene {
   explicit BenchScene(const gpu::Device& device);
 
   Volume host_volume;
+  VoxelScan scan;
   VolumeOnDevice volume;
   TransferTable table;
   TransferOnDevice transfer;
@@ -66,9 +68,10 @@ struct BenchScene {
 EyeView bench_eye(BenchView view, PictureSizePx size);
 
 /// The braces put together from a stage under test and the suite's own snippets for the families named here;
-/// a stage of another family keeps its own.
+/// a stage of another family keeps its own. `more`: what is bound beside the scene, rays and picture.
 CastPipeline bench_pipeline(const CheckOptions& options, const BenchScene& scene, const PipelineStage& stage,
-                            const std::vector<std::pair<std::string, std::string>>& snippets);
+                            const std::vector<std::pair<std::string, std::string>>& snippets,
+                            std::span<const gpu::Binding> more = {});
 
 /// Snippets of the suite.
 extern const char* const plain_rays_snippet;

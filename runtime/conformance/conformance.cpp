@@ -140,7 +140,23 @@ std::string frame_allocations(Subject& subject, const std::vector<double>& value
   return fmt::format("0 allocations in {} uses", times);
 }
 
+/// Throws input_error for stages of Brace's own that are nothing by themselves.
+void require_checkable(const StageInfo& stage) {
+  if (stage.id() == "rays/mab")
+    throw input_error(
+        "{}: stage rays/mab has lists of rays that only its own braces make; accepted: rays/full_rate, and "
+        "rays "
+        "stages whose snippets bind nothing",
+        stage.origin.string());
+  if (stage.id() == "skip/auto")
+    throw input_error(
+        "{}: skip/auto becomes another stage of a session; accepted: that stage, e.g. "
+        "skip/distance_map",
+        stage.origin.string());
+}
+
 std::unique_ptr<Subject> make_subject(const StageInfo& stage, const CheckOptions& options) {
+  require_checkable(stage);
   const std::string& family = stage.family;
   if (family == "cast") return make_cast_subject(stage, options);
   if (family == "rays") return make_rays_subject(stage, options);

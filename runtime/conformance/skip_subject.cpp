@@ -5,6 +5,8 @@
 
 #include "base/error.hpp"
 #include "runtime/conformance/bench_scene.hpp"
+#include "runtime/skip/first_hit_maps.hpp"
+#include "runtime/skip/skip_structure.hpp"
 
 namespace brace {
 
@@ -191,16 +193,23 @@ class NativeSkipSubject final : public Subject {
   GuardedBuffer map_;
 };
 
+/// One whose structure comes with Brace gets it; another works with what is bound anyway.
 class GlslSkipSubject final : public Subject {
  public:
   GlslSkipSubject(const StageInfo& stage, const CheckOptions& options)
-      : info_(stage), options_(options), scene_(*options.device), commands_(*options.device, "conformance") {}
+      : info_(stage),
+        options_(options),
+        scene_(*options.device),
+        kernels_(*options.device, options.data_folder / "kernels" / "skip"),
+        commands_(*options.device, "conformance") {}
 
   void make(const std::vector<double>& values) override {
-    pipeline_ = bench_pipeline(options_, scene_, {info_, values},
-                               {{"rays", plain_rays_snippet}, {"cast", plain_cast_snippet}});
     rays_ = RayBuffers(*options_.device, usual_size.width, usual_size.height);
     target_ = EyeTarget(*options_.device, usual_size.width, usual_size.height);
+    make_structure({info_, values});
+    const std::vector<gpu::Binding> more = bindings();
+    pipeline_ = bench_pipeline(options_, scene_, {info_, values},
+                               {{"rays", plain_rays_snippet}, {"cast", plain_cast_snippet}}, more);
   }
   void activate() override {}
   void deactivate() override {}
@@ -211,11 +220,8 @@ class GlslSkipSubject final : public Subject {
   Trial use() override {
     Trial trial;
     for (const BenchView view : bench_views) {
-      CastPipeline::set_eye(*options_.device, target_, bench_eye(view, usual_size), scene_.placement,
-                            scene_.volume, scene_.transfer);
-      commands_.reset();
-      pipeline_.record(commands_, {scene_.volume, scene_.transfer, rays_, target_});
-      (void)gpu::submit_and_wait(commands_);
+      if (first_hits_) cast(view);  // the next frame knows of this one
+      cast(view);
       for (const gpu::Buffer* buffer : {&rays_.colours, &rays_.depths_m}) {
         std::vector<std::byte> bytes(buffer->size_bytes());
         gpu::download(*options_.device, *buffer, bytes);
@@ -242,10 +248,50 @@ class GlslSkipSubject final : public Subject {
   }
 
  private:
+  void make_structure(const PipelineStage& stage) {
+    structure_.reset();
+    first_hits_.reset();
+    const std::string ours = (options_.data_folder / "stages").string();
+    if (!info_.origin.string().starts_with(ours)) return;
+    const SkipOptions options = skip_options(stage);
+    structure_ =
+        make_skip_structure(kernels_, {scene_.volume, scene_.scan.result(), {&scene_.table, 1}}, options);
+    if (structure_) {
+      commands_.reset();
+      structure_->update(commands_, scene_.table);
+      gpu::submit_and_wait(commands_);
+    }
+    if (info_.name == "occlusion")
+      first_hits_.emplace(kernels_, occlusion_settings(stage), usual_size.width, usual_size.height);
+  }
+
+  std::vector<gpu::Binding> bindings() {
+    std::vector<gpu::Binding> all;
+    if (structure_) all.assign(structure_->bindings().begin(), structure_->bindings().end());
+    if (first_hits_)
+      for (const gpu::Binding& binding : first_hits_->bindings(0))
+        all.push_back(binding);
+    return all;
+  }
+
+  void cast(BenchView view) {
+    const EyeView eye = bench_eye(view, usual_size);
+    CastPipeline::set_eye(*options_.device, target_, eye, scene_.placement, scene_.volume, scene_.transfer);
+    if (first_hits_) first_hits_->aim(0, eye, scene_.volume.info(), scene_.placement, 0);
+    const std::vector<gpu::Binding> more = bindings();
+    commands_.reset();
+    pipeline_.record(commands_, {scene_.volume, scene_.transfer, rays_, target_, more});
+    if (first_hits_) first_hits_->record(commands_, 0, target_);
+    gpu::submit_and_wait(commands_);
+  }
+
   StageInfo info_;
   CheckOptions options_;
   BenchScene scene_;
+  SkipKernels kernels_;
   gpu::CommandList commands_;
+  std::unique_ptr<SkipStructure> structure_;  // null where the stage has none
+  std::optional<FirstHitMaps> first_hits_;    // of skip/occlusion
   CastPipeline pipeline_;
   RayBuffers rays_;
   EyeTarget target_;

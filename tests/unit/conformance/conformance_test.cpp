@@ -51,12 +51,27 @@ TEST_F(Conformance, ReferenceRaycasterKeepsEveryClause) {
   expect_all_kept(example_stage("reference_cast.so", "cast", "reference"));
 }
 
+TEST_F(Conformance, StagesThatAreNothingByThemselvesAreRefusedByName) {
+  const std::filesystem::path stages = std::filesystem::path(BRACE_DATA_FOLDER) / "stages";
+  for (const auto& [family, name] : {std::pair("rays", "mab"), {"skip", "auto"}, {"schedule", "chunked"}}) {
+    try {
+      check(stage_from(stages / family / name / "stage.toml", family, name));
+      ADD_FAILURE() << family << "/" << name;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.exit_code(), ExitCode::bad_input);
+      EXPECT_THAT(error.what(), testing::HasSubstr("accepted: "));
+    }
+  }
+}
+
 TEST_F(Conformance, BuiltInStagesKeepEveryClause) {
   const std::filesystem::path stages = std::filesystem::path(BRACE_DATA_FOLDER) / "stages";
   expect_all_kept(stage_from(stages / "cast/dvr/stage.toml", "cast", "dvr"));
   expect_all_kept(stage_from(stages / "rays/full_rate/stage.toml", "rays", "full_rate"));
   expect_all_kept(stage_from(stages / "warp/quad/stage.toml", "warp", "quad"));
-  expect_all_kept(stage_from(stages / "skip/none/stage.toml", "skip", "none"));
+  for (const std::string skip :
+       {"none", "block", "bitmask", "distance_map", "octree", "partitioned", "occlusion"})
+    expect_all_kept(stage_from(stages / "skip" / skip / "stage.toml", "skip", skip));
 }
 
 TEST_F(Conformance, TheBrokenLibraryWithoutADefectKeepsEveryClause) {
