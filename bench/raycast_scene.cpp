@@ -66,7 +66,8 @@ TransferFunction ramp(const char* name, double visible_above, const TransferSamp
   function.source = "benchmark scene";
   TransferSample empty = low;
   empty.kappa = 0.0;
-  if (visible_above >= 0.0) function.points = {{0.0, empty}, {visible_above, empty}};
+  if (visible_above > 0.0) function.points.push_back({0.0, empty});
+  if (visible_above >= 0.0) function.points.push_back({visible_above, empty});
   function.points.push_back({visible_above + 1.0, low});
   function.points.push_back({255.0, high});
   return function;

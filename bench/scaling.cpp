@@ -283,11 +283,11 @@ int threshold_for(const SceneVolume& volume, double share) {
   return best;
 }
 
-/// A ball that reaches beyond the corners of its box, so that values are spread over the whole scale.
+/// A ball that is larger than its box and faint, so that values are spread over the whole scale.
 void ScalingBench::empty() {
   SceneBall wide = ball();
   wide.radius = 1.75;
-  wide.slope = 0.55;
+  wide.slope = 0.42;
   const SceneVolume volume(device_, wide, path_of(wide));
   for (const double share : options_.empty_shares) {
     const int threshold = threshold_for(volume, share);
