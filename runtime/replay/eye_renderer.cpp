@@ -274,7 +274,8 @@ void EyeRenderer::for_each_eye(std::span<const Frame> frames, const Visit& visit
   for (const Frame& frame : frames) {
     for (const sim::Eye eye : sim::all_eyes) {
       const EyeTarget& target = frame.into[static_cast<std::size_t>(eye)];
-      if (number > more_rays_.size()) more_rays_.emplace_back(device_, own_rays_.across, own_rays_.down);
+      if (number > more_rays_.size())
+        more_rays_.emplace_back(device_, own_rays_.across, own_rays_.down, guard_bytes(session_));
       const RayBuffers& rays = number == 0 ? own_rays_ : more_rays_[number - 1];
       visit(eye, eye_view(headset_, eye, frame.world_from_head), resources_of(eye, target, rays));
       ++number;
