@@ -38,7 +38,7 @@ ErrorMeter::ErrorMeter(Inputs inputs)
       visible_{visible_pixels(in_.headset, sim::Eye::left), visible_pixels(in_.headset, sim::Eye::right)},
       gaze_weights_(in_.headset) {}
 
-ErrorMeter::~ErrorMeter() {
+ErrorMeter::~ErrorMeter() noexcept {
   tasks_.cancel();
   try {
     tasks_.wait();

@@ -34,7 +34,7 @@ class ErrorMeter {
     bool alone = false;  // all is done when add() returns: the caller measures times
   };
   explicit ErrorMeter(Inputs inputs);
-  ~ErrorMeter();
+  ~ErrorMeter() noexcept;  // which that of the tasks is not
   ErrorMeter(const ErrorMeter&) = delete;
   ErrorMeter& operator=(const ErrorMeter&) = delete;
 

@@ -54,7 +54,8 @@ CellOutcome PixelWork::cast_cell(const CellRequest& request) {
   const CastRequest& frame = request.frame;
   const auto slot = static_cast<std::size_t>(frame.slot);
   CellPoses& poses = cell_poses_[slot];
-  const auto per_eye = static_cast<std::size_t>(frame.cell_columns * frame.cell_rows);
+  const auto per_eye =
+      static_cast<std::size_t>(frame.cell_columns) * static_cast<std::size_t>(frame.cell_rows);
   for (std::size_t eye = 0; eye < 2; ++eye) {
     poses.cuts[eye] = frame.cuts.empty() ? CellCuts(frame.cell_columns, frame.cell_rows) : frame.cuts[eye];
     poses.world_from_head[eye].resize(per_eye);
