@@ -51,6 +51,8 @@ bool are_times(const std::vector<double>& times_ms, std::size_t count) {
 
 std::optional<Measurement> read_measurement(const std::filesystem::path& path, const Json& conditions,
                                             const Comparison& wanted) {
+  std::error_code unreadable;
+  if (!std::filesystem::is_regular_file(path, unreadable)) return std::nullopt;
   std::ifstream file(path);
   const Json json = file ? Json::parse(file, nullptr, false) : Json();
   if (!json.is_object()) return std::nullopt;

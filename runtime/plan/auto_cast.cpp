@@ -31,6 +31,7 @@ CastDecision decide_cast(const SessionReader& read, const StageRegistry& stages,
   const Session session = read({});
   if (!session.cast_is_open) return {};
   if (!needs_device(session)) return take_cast("dvr", "nothing is cast");
+  if (session.output.converged_ideal) return take_cast("dvr", "output.ideal = 'converged' is made by it");
   Overrides native = {{"pipeline.cast", "native"}};
   try {
     const StageInfo& stage = stages.find("cast", "native", "pipeline.cast = 'auto'");

@@ -140,6 +140,9 @@ class CastPipeline {
   void record_cast(gpu::CommandList& commands, const Resources& resources, const CastArea& area) const;
   void record_closing(gpu::CommandList& commands, const Resources& resources, const CastArea& area) const;
 
+  /// False for a native cast of which nobody wants segments.
+  bool has_cast_kernel() const { return cast_.handle() != nullptr; }
+
   /// Sum of the work counted since the last reset; zero without CastParts::counters. After the work is done.
   WorkCounts counted(const gpu::Device& device) const;
   void reset_counters(const gpu::Device& device) const;

@@ -151,9 +151,13 @@ void SinglePass::cast_opened(const EyeCast& eye, const CastArea& area, WorkCount
 
 void SinglePass::cast_holes(const HoleRays& holes, const CastPipeline::Resources& resources,
                             const EyeView& view) {
-  step("stereo", [&] { holes.record_opening(commands_, resources); });
-  cast_opened(eye_cast(holes.pipeline(), resources, view), holes.area(resources), holes_work_);
-  step("stereo", [&] { holes.record_closing(commands_, resources); });
+  const CastArea area = holes.area(resources);
+  CastPipeline::Resources of_holes = resources;
+  // A ray per pixel, in buffers that may be those of a wider grid.
+  if (!of_holes.grid) of_holes.grid = RayGrid{area.width, area.height};
+  step("stereo", [&] { holes.record_opening(commands_, of_holes); });
+  cast_opened(eye_cast(holes.pipeline(), of_holes, view), area, holes_work_);
+  step("stereo", [&] { holes.record_closing(commands_, of_holes); });
 }
 
 WorkCounts SinglePass::counted_rays(const CastPipeline& pipeline) const {
@@ -178,7 +182,7 @@ void SinglePass::cast_rays(const CastPipeline& pipeline, const CastPipeline::Res
   pipeline.reset_counters(device_);
   rays_work_ = {};
   EyeCast eye = eye_cast(pipeline, resources, view);
-  if (eye.cast != nullptr) eye.segments = &replay_;
+  if (eye.cast != nullptr && pipeline.has_cast_kernel()) eye.segments = &replay_;
   commands_.reset();
   commands_.barrier();
   step("opening", [&] { pipeline.record_opening(commands_, resources, area); });
