@@ -13,6 +13,11 @@
 
 namespace {
 
+/// An empty variable in a script must not mean the default, which may be there already.
+std::string not_empty(const std::string& folder) {
+  return folder.empty() ? "is empty; accepted: a folder" : "";
+}
+
 using namespace brace;
 
 constexpr int sweep_jobs_max = 1024;
@@ -44,7 +49,7 @@ void add_run(CLI::App& app, RunCommand& command, Action& action) {
   run->add_option("session", command.session, "Session file (TOML)")->required();
   run->add_option("--set", command.set,
                   "KEY=VALUE: override a key of the session, e.g. device.profile=valve-index");
-  run->add_option("--out", command.out, "Run directory to write (default: runs/SESSION)");
+  run->add_option("--out", command.out, "Run directory to write (default: runs/SESSION)")->check(not_empty);
   run->add_option("--frames", command.frames, "Number of display vsyncs (default: to the end of the trace)");
   run->add_option("--seed", command.seed, "Seed of the tracker's noise");
   run->add_option("--watchdog", command.watchdog,
@@ -68,7 +73,8 @@ void add_plan(CLI::App& app, PlanCommand& command, Action& action) {
   plan->add_option("--frames", command.frames, "Number of display vsyncs of the check");
   plan->add_flag("--check", command.check,
                  "Replay the session as given and as planned; exit code 1 if the plan was wrong");
-  plan->add_option("--out", command.out, "Run directory of the check (default: runs/SESSION-plan)");
+  plan->add_option("--out", command.out, "Run directory of the check (default: runs/SESSION-plan)")
+      ->check(not_empty);
   add_gpu_option(*plan, command.gpu);
   add_plugin_path_option(*plan, command.plugin_path);
   plan->add_flag("--json", command.json, "Print JSON");
@@ -104,7 +110,8 @@ void add_sweep(CLI::App& app, SweepCommand& command, Action& action) {
   CLI::App* sweep =
       app.add_subcommand("sweep", "Run a session at many points; goes on where an earlier call was stopped");
   sweep->add_option("file", command.file, "Sweep file (TOML): see docs/sweeps.md")->required();
-  sweep->add_option("--out", command.out, "Folder for results.sqlite and results.csv (default: sweeps/FILE)");
+  sweep->add_option("--out", command.out, "Folder for results.sqlite and results.csv (default: sweeps/FILE)")
+      ->check(not_empty);
   command.jobs = std::clamp(static_cast<int>(std::thread::hardware_concurrency()), 1, sweep_jobs_max);
   sweep
       ->add_option("--jobs", command.jobs, "Runs at a time (default: one per core); measured costs run alone")

@@ -83,6 +83,9 @@ TEST_F(Measured, AutoCastFollowsTheTimesOnASoftwareDevice) {
 TEST_F(Measured, AutoCastIsDvrWithTheReasonWhereNativeDoesNotDo) {
   run("first", {"pipeline.cast=auto"});
   pretend("raycaster", {{"dvr", 3.0}, {"native", 1.0}});
+  const Json converged =
+      run("converged", {"pipeline.cast=auto", "output.ideal=converged", "output.error=every:1"});
+  EXPECT_EQ(converged["pipeline"]["cast"], "cast/dvr");
   const Json tolerance = run("tolerance", {"pipeline.cast=auto", "stage.dvr.tolerance=1e-3"});
   EXPECT_EQ(tolerance["pipeline"]["cast"], "cast/dvr");
   EXPECT_THAT(text_of(tolerance["facts"], "cast/auto"), StartsWith("dvr: "));
@@ -94,6 +97,15 @@ TEST_F(Measured, AutoCastIsDvrWithTheReasonWhereNativeDoesNotDo) {
     EXPECT_THAT(text_of(chosen["facts"], "cast/auto"),
                 testing::AnyOf(StartsWith("dvr: "), StartsWith("native: ")));
   }
+}
+
+TEST_F(Measured, AFolderInThePlaceOfAMeasurementIsMeasuredAround) {
+  run("a", {});
+  for (const auto& entry : std::filesystem::directory_iterator(place_ / "cache/brace/measured")) {
+    std::filesystem::remove(entry.path());
+    std::filesystem::create_directory(entry.path());
+  }
+  EXPECT_THAT(text_of(run("b", {})["host"], "volume path"), HasSubstr("not kept"));
 }
 
 TEST_F(Measured, DoctorShowsWhatIsKeptAndMeasuresAgainWhenAsked) {

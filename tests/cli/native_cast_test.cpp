@@ -108,6 +108,19 @@ TEST_F(NativeCastRun, TellsLayersOfItsSegments) {
   expect_pictures_of_dvr({"pipeline.stereo=layers", "pipeline.skip=distance_map", "scene.shading=phong"});
 }
 
+TEST_F(NativeCastRun, CastsRaysForTheHolesOfComposedEyes) {
+  // Their buffers are those of a wider grid: that of the middle, or of rectified pictures.
+  for (const char* reference : {"stage.layers.reference=left", "stage.layers.reference=middle"})
+    expect_pictures_of_dvr({"pipeline.stereo=layers", reference, "scene.position=front:0.9",
+                            "scene.volume=generator:solid_box:24", "scene.transfer_function=tf3",
+                            "device.resolution_scale=0.1"});
+}
+
+TEST_F(NativeCastRun, TellsNobodyWhereLayersAreLeftOut) {
+  run("tiny", {"pipeline.stereo=layers", "pipeline.cast=native", "scene.size_m=0.001"});
+  EXPECT_THAT(place_.read("tiny/summary.json"), ::testing::HasSubstr("no layers"));
+}
+
 TEST_F(NativeCastRun, TellsNovelViewsOfItsSegments) {
   expect_pictures_of_dvr({"pipeline.stereo=novel_view", "stage.novel_view.reference=middle"});
 }
