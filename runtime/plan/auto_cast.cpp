@@ -1,7 +1,5 @@
 #include "runtime/plan/auto_cast.hpp"
 
-#include <algorithm>
-
 #include <fmt/format.h>
 
 #include "base/error.hpp"

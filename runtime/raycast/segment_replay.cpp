@@ -83,8 +83,7 @@ SimDuration SegmentReplay::tell(const EyeCast& eye, gpu::CommandList& commands) 
     eye.pipeline.record_cast(commands, resources, rows_);
     commands.barrier();
     commands.end_timing();
-    for (const gpu::Timing& timing : gpu::submit_and_wait(commands))
-      time += SimDuration(timing.device_ns);
+    time += SimDuration(gpu::total_ns(gpu::submit_and_wait(commands)));
     begin = end;
   } while (begin < segments_.size());
   commands.reset();

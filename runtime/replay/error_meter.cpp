@@ -1,7 +1,6 @@
 #include "runtime/replay/error_meter.hpp"
 
 #include <algorithm>
-#include <cstring>
 
 #include <fmt/format.h>
 

@@ -1,6 +1,4 @@
 // The frames of eye_renderer.hpp that are cast in cells.
-#include <algorithm>
-
 #include "runtime/raycast/native_steps.hpp"
 #include "runtime/replay/eye_renderer.hpp"
 
@@ -11,14 +9,7 @@ CellOutcome EyeRenderer::cast_cell(sim::Eye eye, const EyeView& view,
   CellOutcome cell;
   if (area.width == 0 || area.height == 0) return cell;
   pipeline_.reset_counters(device_);
-  const EyeCast whole{.device = device_,
-                      .pipeline = pipeline_,
-                      .resources = resources,
-                      .view = view,
-                      .eye = static_cast<std::uint32_t>(eye),
-                      .frame = frame_,
-                      .cast = native_cast_ ? &**native_cast_ : nullptr,
-                      .segments = segments()};
+  const EyeCast whole = eye_cast(eye, view, resources);
   if (native_cast_ && (*native_cast_)->casts_on_host()) {
     cell.device_time = cast_on_host(whole, area, host_rays_, cell.work, commands_);
     return cell;

@@ -262,6 +262,17 @@ JobOutcome EyeRenderer::render_by_steps(const Pose& world_from_head, const EyePa
   return outcome;
 }
 
+EyeCast EyeRenderer::eye_cast(sim::Eye eye, const EyeView& view, const CastPipeline::Resources& resources) {
+  return {.device = device_,
+          .pipeline = pipeline_,
+          .resources = resources,
+          .view = view,
+          .eye = static_cast<std::uint32_t>(eye),
+          .frame = frame_,
+          .cast = native_cast_ ? &**native_cast_ : nullptr,
+          .segments = segments()};
+}
+
 bool EyeRenderer::casts_frames_on_host() const {
   return native_cast_ && (*native_cast_)->casts_on_host() && !native_rays_ && !native_stereo_ && !mab_ &&
          !makes_layers_ && !single_pass_ && !keeps_first_hits_ && watchdog_ == nullptr;
@@ -293,14 +304,8 @@ JobOutcome EyeRenderer::render_on_host(std::span<const Frame> frames) {
     });
   });
   for_each_eye(frames, [&](sim::Eye eye, const EyeView& view, const CastPipeline::Resources& resources) {
-    const EyeCast whole{.device = device_,
-                        .pipeline = pipeline_,
-                        .resources = resources,
-                        .view = view,
-                        .eye = static_cast<std::uint32_t>(eye),
-                        .frame = frame_,
-                        .cast = &**native_cast_};
-    outcome.device_time += cast_on_host(whole, all, host_rays_, outcome.work, commands_);
+    outcome.device_time +=
+        cast_on_host(eye_cast(eye, view, resources), all, host_rays_, outcome.work, commands_);
     if (eye == sim::Eye::right) ++frame_;
   });
   outcome.device_time += submit_step("closing", [&] {

@@ -108,6 +108,7 @@ class EyeRenderer {
 
  private:
   void activate_native_stages();
+  EyeCast eye_cast(sim::Eye eye, const EyeView& view, const CastPipeline::Resources& resources);
   SegmentReplay* segments() { return makes_layers_ && native_cast_ ? &replay_ : nullptr; }
   void set_eye(sim::Eye eye, const EyeView& view, const EyeTarget& target);
   void keep_first_hits(gpu::CommandList& commands, sim::Eye eye, const EyeTarget& target);

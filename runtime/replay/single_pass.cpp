@@ -117,9 +117,7 @@ StereoPlan plan_single_pass(const gpu::Device& device, const Session& session, c
 }
 
 SimDuration SinglePass::submit() {
-  SimDuration time{0};
-  for (const gpu::Timing& timing : gpu::submit_and_wait(commands_))
-    time += SimDuration(timing.device_ns);
+  const SimDuration time(gpu::total_ns(gpu::submit_and_wait(commands_)));
   commands_.reset();
   return time;
 }
