@@ -41,8 +41,9 @@ struct PackedVolume {
   static constexpr std::int32_t tile_slice_texels = 16;
 
   brace_voxel_type type = BRACE_VOXEL_UINT8;
-  std::int32_t tile_texels = 0;      // all slices of a tile: from tile to tile along x
-  std::int32_t tile_row_texels = 0;  // along y
+  alignas(16) std::int32_t last_cell[4] = {};  // along each axis: the last texel but one
+  std::int32_t tile_texels = 0;                // all slices of a tile: from tile to tile along x
+  std::int32_t tile_row_texels = 0;            // along y
   Texels texels;
 
   /// Reads and packs all slices. On failure `error` says why. May throw std::bad_alloc.

@@ -7,6 +7,8 @@
 #define NATIVE_CAST_LANES_INL
 #endif
 
+#include <algorithm>
+
 #include <hwy/highway.h>
 
 #include "caster.hpp"
@@ -36,9 +38,17 @@ HWY_INLINE Int all_int(std::int32_t value) {
 HWY_INLINE Float to_float(Int value) {
   return hn::ConvertTo(Floats(), value);
 }
-/// Towards zero; what a lane does not need is kept in range by its caller.
+/// Towards zero. Anything for what an int cannot hold: no sense of that is asked, other than by ConvertTo.
 HWY_INLINE Int to_int(Float value) {
+#if HWY_TARGET == HWY_AVX3
+  return Int{_mm512_cvttps_epi32(value.raw)};
+#elif HWY_TARGET == HWY_AVX2
+  return Int{_mm256_cvttps_epi32(value.raw)};
+#elif HWY_TARGET == HWY_SSE4
+  return Int{_mm_cvttps_epi32(value.raw)};
+#else
   return hn::ConvertTo(Ints(), value);
+#endif
 }
 HWY_INLINE Mask for_floats(hn::Mask<Ints> mask) {
   return hn::RebindMask(Floats(), mask);
@@ -107,17 +117,10 @@ HWY_INLINE hn::Vec<D> quads_of(D d, const float* from, const std::int32_t* index
 }
 #endif
 
-HWY_INLINE Quads gather_quads(const float* from, Int at) {
-#if HWY_TARGET == HWY_SCALAR
-  const float* quad = from + 4 * hn::GetLane(at);
-  return {{all(quad[0]), all(quad[1]), all(quad[2]), all(quad[3])}};
-#else
-  HWY_ALIGN std::int32_t index[hn::MaxLanes(Floats())];
-  hn::Store(at, Ints(), index);
-  // Block b of row k is the quad of lane 4 b + k; a transposition within the blocks makes columns of them.
-  const auto row = [&](std::size_t k) { return quads_of(Floats(), from, index + k); };
+#if HWY_TARGET != HWY_SCALAR
+/// Within every block of four lanes the rows become columns. The other way round, too.
+HWY_INLINE Quads transpose_blocks(Float r0, Float r1, Float r2, Float r3) {
   const hn::Repartition<double, Floats> halves;
-  const Float r0 = row(0), r1 = row(1), r2 = row(2), r3 = row(3);
   const auto ab01 = hn::BitCast(halves, hn::InterleaveLower(Floats(), r0, r1));
   const auto cd01 = hn::BitCast(halves, hn::InterleaveUpper(Floats(), r0, r1));
   const auto ab23 = hn::BitCast(halves, hn::InterleaveLower(Floats(), r2, r3));
@@ -126,6 +129,66 @@ HWY_INLINE Quads gather_quads(const float* from, Int at) {
            hn::BitCast(Floats(), hn::InterleaveUpper(halves, ab01, ab23)),
            hn::BitCast(Floats(), hn::InterleaveLower(halves, cd01, cd23)),
            hn::BitCast(Floats(), hn::InterleaveUpper(halves, cd01, cd23))}};
+}
+#endif
+
+HWY_INLINE Quads gather_quads(const float* from, const std::int32_t* index) {
+#if HWY_TARGET == HWY_SCALAR
+  const float* quad = from + 4 * std::ptrdiff_t{*index};
+  return {{all(quad[0]), all(quad[1]), all(quad[2]), all(quad[3])}};
+#else
+  // Block b of row k is the quad of lane 4 b + k.
+  const auto row = [&](std::size_t k) { return quads_of(Floats(), from, index + k); };
+  return transpose_blocks(row(0), row(1), row(2), row(3));
+#endif
+}
+
+/// The other way round, to `to` + 4 * index for the first `count` lanes.
+HWY_INLINE void scatter_quads(const Quads& columns, float* to, const std::int32_t* index, std::size_t count) {
+  HWY_ALIGN float rows[4][lanes_max];
+#if HWY_TARGET == HWY_SCALAR
+  const Quads& turned = columns;
+#else
+  const Quads turned =
+      transpose_blocks(columns.column[0], columns.column[1], columns.column[2], columns.column[3]);
+#endif
+  for (int row = 0; row < 4; ++row)
+    hn::Store(turned.column[row], Floats(), rows[row]);
+  for (std::size_t lane = 0; lane < count; ++lane) {
+    float* const quad = to + 4 * std::ptrdiff_t{index[lane]};
+#if HWY_TARGET == HWY_SCALAR
+    for (int c = 0; c < 4; ++c)
+      quad[c] = rows[c][0];
+#else
+    std::copy_n(rows[lane & 3] + (lane & ~std::size_t{3}), 4, quad);
+#endif
+  }
+}
+
+/// The quad of gather_quads and the one behind it.
+struct QuadPairs {
+  Quads first, second;
+};
+
+HWY_INLINE QuadPairs gather_quad_pairs(const float* from, Int at) {
+  HWY_ALIGN std::int32_t index[hn::MaxLanes(Ints())];
+  hn::Store(at, Ints(), index);
+#if HWY_TARGET == HWY_AVX3
+  // A load brings both quads of a lane: two lanes fill a vector.
+  const auto pair = [&](int lane) { return _mm256_loadu_ps(from + 4 * std::ptrdiff_t{index[lane]}); };
+  const auto row = [&](int lane) {
+    return Float{_mm512_insertf32x8(_mm512_castps256_ps512(pair(lane)), pair(lane + 4), 1)};
+  };
+  const Quads low = transpose_blocks(row(0), row(1), row(2), row(3));
+  const Quads high = transpose_blocks(row(8), row(9), row(10), row(11));
+  QuadPairs pairs;
+  for (int c = 0; c < 4; ++c) {
+    pairs.first.column[c] = Float{_mm512_shuffle_f32x4(low.column[c].raw, high.column[c].raw, 0x88)};
+    pairs.second.column[c] = Float{_mm512_shuffle_f32x4(low.column[c].raw, high.column[c].raw, 0xdd)};
+  }
+  return pairs;
+#else
+  return {gather_quads(from, index), gather_quads(from + 4, index)};
 #endif
 }
 
@@ -133,20 +196,17 @@ struct Point {
   Float x, y, z;
 };
 
-/// 2^-x for x >= 0: a polynomial of the fractional part (Taylor, relative error below 1e-7) and the exponent
-/// by its bits. 0 from about x = 126 on.
+/// 2^-x for x >= 0: a polynomial of what is left to the nearest whole number (the coefficients of Cephes'
+/// exp2f, relative error below 2e-7) and the exponent by its bits. 0 from x = 126 on.
 HWY_INLINE Float exp2_minus(Float x) {
-  const Float limited = hn::Min(x, all(126.0f));
-  const Float whole = hn::Floor(limited);
-  const Float f = hn::Mul(hn::Sub(limited, whole), all(-0.6931471805599453f));  // 2^-fraction = e^f
-  Float p = all(1.0f / 40320.0f);
-  p = hn::MulAdd(p, f, all(1.0f / 5040.0f));
-  p = hn::MulAdd(p, f, all(1.0f / 720.0f));
-  p = hn::MulAdd(p, f, all(1.0f / 120.0f));
-  p = hn::MulAdd(p, f, all(1.0f / 24.0f));
-  p = hn::MulAdd(p, f, all(1.0f / 6.0f));
-  p = hn::MulAdd(p, f, all(0.5f));
-  p = hn::MulAdd(p, f, all(1.0f));
+  const Float whole = hn::Round(hn::Min(x, all(126.0f)));
+  const Float f = hn::Sub(whole, hn::Min(x, all(126.0f)));
+  Float p = all(1.535336188319500e-4f);
+  p = hn::MulAdd(p, f, all(1.339887440266574e-3f));
+  p = hn::MulAdd(p, f, all(9.618437357674640e-3f));
+  p = hn::MulAdd(p, f, all(5.550332471162809e-2f));
+  p = hn::MulAdd(p, f, all(2.402264791363012e-1f));
+  p = hn::MulAdd(p, f, all(6.931472028550421e-1f));
   p = hn::MulAdd(p, f, all(1.0f));
   const Int exponent = hn::ShiftLeft<23>(hn::Sub(all_int(127), to_int(whole)));
   const Float scaled = hn::Mul(p, hn::BitCast(Floats(), exponent));
@@ -155,8 +215,7 @@ HWY_INLINE Float exp2_minus(Float x) {
 
 /// A packet of rays, a lane each.
 struct Packet {
-  Point entry, direction, inverse_direction;
-  hn::Mask<Floats> still_x, still_y, still_z;  // parallel to this axis' faces
+  Point entry, direction;
   Float extent;
 };
 

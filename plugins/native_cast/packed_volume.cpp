@@ -74,6 +74,8 @@ brace_result PackedVolume::read(const brace_volume& volume, std::string& error) 
     error = "the volume has too many voxels: accepted are up to 2^31 with the apron";
     return BRACE_UNSUPPORTED;
   }
+  for (int axis = 0; axis < 3; ++axis)
+    last_cell[axis] = static_cast<std::int32_t>(volume.dims[axis]);
   tile_texels = static_cast<std::int32_t>(slices * tile_slice_texels);
   tile_row_texels = static_cast<std::int32_t>(slices * tile_slice_texels * tiles_across);
   texels = Texels(total);

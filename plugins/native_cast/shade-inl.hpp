@@ -39,8 +39,8 @@ inline std::uint64_t shading_fetches_per_sample(const Scene& scene) {
 
 /// Blinn-Phong with the light at the eye, as brace/shade.glsl.
 template <brace_voxel_type type>
-HWY_NOINLINE void shade_phong(const Scene& scene, const Packet& rays, const Point& at, Mask wanted,
-                              Point& colour) {
+HWY_NOINLINE Point lit_by_phong(const Scene& scene, const Packet& rays, const Point& at, Mask wanted,
+                                Point colour) {
   const Float one = all(1.0f);
   const auto difference = [&](const Point& high, const Point& low, int axis) {
     const float scale =
@@ -65,8 +65,8 @@ HWY_NOINLINE void shade_phong(const Scene& scene, const Packet& rays, const Poin
   const Float glint =
       hn::Mul(hn::Mul(all(scene.shading.specular), power), hn::Div(size, hn::Add(size, flat)));
   const Float lit = hn::MulAdd(all(scene.shading.diffuse), facing, all(scene.shading.ambient));
-  colour = {hn::Min(hn::MulAdd(colour.x, lit, glint), one), hn::Min(hn::MulAdd(colour.y, lit, glint), one),
-            hn::Min(hn::MulAdd(colour.z, lit, glint), one)};
+  return {hn::Min(hn::MulAdd(colour.x, lit, glint), one), hn::Min(hn::MulAdd(colour.y, lit, glint), one),
+          hn::Min(hn::MulAdd(colour.z, lit, glint), one)};
 }
 
 /// Optical depth, in powers of two, of `samples` steps from a point in a direction; nothing outside of the
@@ -103,7 +103,7 @@ HWY_INLINE Point scaled(const Point& colour, Float x, Float y, Float z) {
 }
 
 template <brace_voxel_type type>
-HWY_NOINLINE void shade_shadow_ao(const Scene& scene, const Point& at, Mask wanted, Point& colour) {
+HWY_NOINLINE Point lit_by_shadow_ao(const Scene& scene, const Point& at, Mask wanted, Point colour) {
 #define NATIVE_CAST_TRIPLE(x, y, z) \
   { x, y, z }
   constexpr float around[BRACE_OCCLUSION_SAMPLES][3] = {BRACE_OCCLUSION_DIRECTIONS(NATIVE_CAST_TRIPLE)};
@@ -113,11 +113,11 @@ HWY_NOINLINE void shade_shadow_ao(const Scene& scene, const Point& at, Mask want
   for (const auto& direction : around)
     open = hn::Add(open, exp2_minus(depth_towards<type>(scene, at, direction, 1, wanted)));
   const Float share = hn::Mul(hn::Mul(lit, open), all(1.0f / BRACE_OCCLUSION_SAMPLES));
-  colour = scaled(colour, share, share, share);
+  return scaled(colour, share, share, share);
 }
 
 template <brace_voxel_type type>
-HWY_NOINLINE void shade_random_lights(const Scene& scene, const Point& at, Mask wanted, Point& colour) {
+HWY_NOINLINE Point lit_by_random_lights(const Scene& scene, const Point& at, Mask wanted, Point colour) {
   constexpr float lights[BRACE_LIGHTS_MAX][3] = {BRACE_LIGHT_DIRECTIONS(NATIVE_CAST_TRIPLE)};
 #undef NATIVE_CAST_TRIPLE
   const int samples = scene.shading.samples;
@@ -129,21 +129,24 @@ HWY_NOINLINE void shade_random_lights(const Scene& scene, const Point& at, Mask 
     for (int c = 0; c < 3; ++c)
       sum[c] = hn::MulAdd(lit, all(std::abs(lights[i][c]) / static_cast<float>(count)), sum[c]);
   }
-  colour = scaled(colour, sum[0], sum[1], sum[2]);
+  return scaled(colour, sum[0], sum[1], sum[2]);
 }
 
+/// The colour of a visible sample in the scene's light.
 template <brace_voxel_type type>
-HWY_INLINE void shade(const Scene& scene, const Packet& rays, const Point& at, Mask wanted, Point& colour) {
+HWY_INLINE Point shaded(const Scene& scene, const Packet& rays, const Point& at, Mask wanted,
+                        const Point& colour) {
   switch (scene.shading.kind) {
     case BRACE_SHADING_NONE:
-      return;
+      break;
     case BRACE_SHADING_PHONG:
-      return shade_phong<type>(scene, rays, at, wanted, colour);
+      return lit_by_phong<type>(scene, rays, at, wanted, colour);
     case BRACE_SHADING_SHADOW_AO:
-      return shade_shadow_ao<type>(scene, at, wanted, colour);
+      return lit_by_shadow_ao<type>(scene, at, wanted, colour);
     case BRACE_SHADING_RANDOM_LIGHTS:
-      return shade_random_lights<type>(scene, at, wanted, colour);
+      return lit_by_random_lights<type>(scene, at, wanted, colour);
   }
+  return colour;
 }
 
 }  // namespace HWY_NAMESPACE

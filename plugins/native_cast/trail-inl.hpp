@@ -41,9 +41,9 @@ class Trail {
   }
 
   /// Tells of the first `count` lanes' rays that have a length.
-  brace_result tell(const brace_segment_sink& sink, const std::size_t* rays, std::size_t count, Float extent,
+  brace_result tell(const brace_segment_sink& sink, const std::int32_t* rays, std::size_t count, Float extent,
                     Float end) const {
-    HWY_ALIGN float extents[lanes_max], ends[lanes_max];
+    HWY_ALIGN float extents[lanes_max] = {}, ends[lanes_max] = {};
     hn::Store(extent, Floats(), extents);
     hn::Store(hn::Min(end, extent), Floats(), ends);
     brace_ray_segments told[lanes_max];

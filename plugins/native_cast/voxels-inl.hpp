@@ -29,11 +29,20 @@ HWY_INLINE Int texel_at(const PackedVolume& volume, Int x, Int y, Int z) {
   return hn::Add(tile, hn::Or(hn::ShiftLeft<4>(z), in_slice));
 }
 
+/// The apron moves voxel i from centre i + 0.5 to i + 1.
+HWY_INLINE Point from_apron(const Point& voxel) {
+  const Float half = all(0.5f);
+  return {hn::Add(voxel.x, half), hn::Add(voxel.y, half), hn::Add(voxel.z, half)};
+}
+
+HWY_INLINE Float fraction(Float at) {
+  return hn::Sub(at, hn::Floor(at));
+}
+
 HWY_INLINE CellAt cell_at(const PackedVolume& volume, const Point& voxel, Mask wanted) {
-  // The apron moves voxel i from centre i + 0.5 to i + 1.
-  const Float x = hn::IfThenElseZero(wanted, hn::Add(voxel.x, all(0.5f)));
-  const Float y = hn::IfThenElseZero(wanted, hn::Add(voxel.y, all(0.5f)));
-  const Float z = hn::IfThenElseZero(wanted, hn::Add(voxel.z, all(0.5f)));
+  const Point point = from_apron(voxel);
+  const Float x = hn::IfThenElseZero(wanted, point.x), y = hn::IfThenElseZero(wanted, point.y),
+              z = hn::IfThenElseZero(wanted, point.z);
   const Int i = to_int(x), j = to_int(y), k = to_int(z);
   return {hn::Sub(x, to_float(i)),  hn::Sub(y, to_float(j)), hn::Sub(z, to_float(k)), i, j,
           texel_at(volume, i, j, k)};
@@ -60,19 +69,20 @@ struct Cell;
 
 template <>
 struct Cell<BRACE_VOXEL_UINT8> {
-  CellAt at;
+  Point at;  // from the first texel on
   Word near, far;
 
   HWY_INLINE static Cell fetch(const PackedVolume& volume, const Point& voxel, Mask wanted) {
     const CellAt at = cell_at(volume, voxel, wanted);
     const WordPair pair = gather_slices(volume, at.texel);
-    return {at, pair.first, pair.second};
+    return {from_apron(voxel), pair.first, pair.second};
   }
   HWY_INLINE Float value(const Scene&) const {
+    const Float x = fraction(at.x), y = fraction(at.y), z = fraction(at.z);
     Float corner[4];
     for (int c = 0; c < 4; ++c)
-      corner[c] = lerp(byte_of(near, c), byte_of(far, c), at.z);
-    return lerp(lerp(corner[0], corner[2], at.y), lerp(corner[1], corner[3], at.y), at.x);
+      corner[c] = lerp(byte_of(near, c), byte_of(far, c), z);
+    return lerp(lerp(corner[0], corner[2], y), lerp(corner[1], corner[3], y), x);
   }
 };
 
@@ -150,20 +160,17 @@ struct Look {
 };
 
 HWY_INLINE Look look_up(const Scene& scene, const Entry& entry) {
-  const Quads low = gather_quads(scene.transfer, entry.index);
-  const Quads high = gather_quads(scene.transfer + 4, entry.index);
-  const auto column = [&](int c) { return lerp(low.column[c], high.column[c], entry.place); };
+  const QuadPairs pair = gather_quad_pairs(scene.transfer, entry.index);
+  const auto column = [&](int c) { return lerp(pair.first.column[c], pair.second.column[c], entry.place); };
   return {{column(0), column(1), column(2)}, column(3)};
 }
 
-/// What tells whether one of four bytes of a word is above a limit: the sum of its lower seven bits and `add`
-/// has its top bit set if these are; `either` says whether the byte's own top bit is enough.
+/// The 8-bit voxels that are fully transparent: up to `limit` in each byte, or, where `none` is not 0, no
+/// voxel at all.
 struct EmptyBytes {
-  bool possible = false;
-  std::uint32_t add = 0, either = 0;
+  std::uint32_t limit = 0, none = 1;
 };
 
-/// For the largest 8-bit voxel up to which everything is fully transparent.
 EmptyBytes empty_bytes(const Scene& scene) {
   const auto is_empty = [&](int voxel) {
     return static_cast<float>(voxel) * scene.eye.transfer[0] + scene.eye.transfer[1] <= scene.eye.transfer[3];
@@ -172,19 +179,29 @@ EmptyBytes empty_bytes(const Scene& scene) {
   while (voxels < 256 && is_empty(static_cast<int>(voxels)))
     ++voxels;
   if (voxels == 0) return {};
-  const std::uint32_t limit = voxels - 1;
-  return {true, (127u - (limit & 127u)) * 0x01010101u, limit < 128 ? 0x80808080u : 0u};
+  return {(voxels - 1) * 0x01010101u, 0};
+}
+
+/// 0 where no byte of either word is above the limit's.
+HWY_INLINE Word bytes_above(Word near, Word far, Word limit) {
+#if HWY_TARGET == HWY_SCALAR
+  const auto byte = [](Word of, int i) { return hn::GetLane(of) >> 8 * i & 255u; };
+  bool above = false;
+  for (int i = 0; i < 4; ++i)
+    above = above || std::max(byte(near, i), byte(far, i)) > byte(limit, i);
+  return hn::Set(Words(), above ? 1u : 0u);
+#else
+  const hn::Repartition<std::uint8_t, Words> bytes;
+  const auto largest = hn::Max(hn::BitCast(bytes, near), hn::BitCast(bytes, far));
+  return hn::BitCast(Words(), hn::SaturatedSub(largest, hn::BitCast(bytes, limit)));
+#endif
 }
 
 /// Whether the transfer function shows nothing of a cell because all of it is too low.
 HWY_INLINE Mask is_empty(const Scene&, const Cell<BRACE_VOXEL_UINT8>& cell, const EmptyBytes& empty) {
-  const auto over = [&](Word texels) {
-    const Word sum = hn::Add(hn::And(texels, hn::Set(Words(), 0x7f7f7f7fu)), hn::Set(Words(), empty.add));
-    return hn::Or(hn::And(sum, texels), hn::And(hn::Or(sum, texels), hn::Set(Words(), empty.either)));
-  };
-  const Word above = hn::And(hn::Or(over(cell.near), over(cell.far)), hn::Set(Words(), 0x80808080u));
-  const Word nothing = hn::Set(Words(), empty.possible ? 0u : 1u);  // never equal where nothing is empty
-  return hn::RebindMask(Floats(), hn::Eq(above, nothing));
+  const Word above = bytes_above(cell.near, cell.far, hn::Set(Words(), empty.limit));
+  const Word visible = hn::Or(above, hn::Set(Words(), empty.none));
+  return hn::RebindMask(Floats(), hn::Eq(visible, hn::Zero(Words())));
 }
 
 template <typename AnyCell>

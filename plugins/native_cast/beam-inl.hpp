@@ -1,0 +1,144 @@
+// The rays of a packet as one beam: where all of them are at a step, and how far they may go together.
+// Compiled once for every instruction set (Google Highway): the guard turns over with each.
+#if defined(NATIVE_CAST_BEAM_INL) == defined(HWY_TARGET_TOGGLE)
+#ifdef NATIVE_CAST_BEAM_INL
+#undef NATIVE_CAST_BEAM_INL
+#else
+#define NATIVE_CAST_BEAM_INL
+#endif
+
+#include <algorithm>
+#include <cstdint>
+#include <limits>
+
+#include <hwy/highway.h>
+
+#include "lanes-inl.hpp"
+
+HWY_BEFORE_NAMESPACE();
+namespace native_cast {
+namespace HWY_NAMESPACE {
+
+/// A box of voxel coordinates: x, y, z of its lower corner, padding, and the same of the upper corner.
+struct Box {
+  alignas(32) float corner[8];
+};
+
+/// Steps, for all rays of a beam: what a skip map says of them.
+struct BeamAhead {
+  std::int32_t next;  // the first step that may show something, or that has to be asked about
+  bool occupied;
+};
+
+class Beam {
+ public:
+  HWY_INLINE Beam(const Scene& scene, const Packet& rays, Mask active, Float segments) {
+    const Float far = all(std::numeric_limits<float>::max());
+    const auto least = [&](Float of) {
+      return hn::GetLane(hn::MinOfLanes(Floats(), hn::IfThenElse(active, of, far)));
+    };
+    const auto largest = [&](Float of) {
+      return hn::GetLane(hn::MaxOfLanes(Floats(), hn::IfThenElse(active, of, hn::Neg(far))));
+    };
+    if (!any(active)) return;
+    const Float entry[3] = {rays.entry.x, rays.entry.y, rays.entry.z};
+    const Float direction[3] = {rays.direction.x, rays.direction.y, rays.direction.z};
+    const float length = largest(rays.extent);
+    whole_ = static_cast<std::int32_t>(least(segments));
+    width_ = 0.0f;
+    for (int axis = 0; axis < 3; ++axis) {
+      const int low = axis, high = 4 + axis;
+      entry_[low] = least(entry[axis]) - margin;
+      entry_[high] = largest(entry[axis]) + margin;
+      direction_[low] = least(direction[axis]);
+      direction_[high] = largest(direction[axis]);
+      const float spread = (direction_[high] - direction_[low]) * length;
+      width_ = std::max(width_, entry_[high] - entry_[low] + spread);
+      if (scene.skip_map == BRACE_SKIP_MAP_NONE) continue;
+      moves_out(low, direction_[low] < -1e-6f);
+      moves_out(high, direction_[high] > 1e-6f);
+    }
+  }
+
+  /// The longest edge of any box_at().
+  float width_voxels() const { return width_; }
+  /// Steps that no ray is shorter than.
+  std::int32_t whole_steps() const { return whole_; }
+
+  /// The points of all rays at a step. Rounding is monotonic: none lies outside by more than the margin.
+  HWY_INLINE Box box_at(const Scene& scene, std::int32_t step) const {
+    const float begin = static_cast<float>(step);
+    const float late = (begin + 0.5f) * scene.step_units, early = begin * scene.step_units;
+    Box box;
+    for (int c = 0; c < 8; ++c)
+      box.corner[c] = entry_[c] + direction_[c] * late;
+    if (step < whole_) return box;
+    for (int c = 0; c < 4; ++c) {  // the last sample of a ray stands nearer
+      box.corner[c] = std::min(box.corner[c], entry_[c] + direction_[c] * early);
+      box.corner[4 + c] = std::max(box.corner[4 + c], entry_[4 + c] + direction_[4 + c] * early);
+    }
+    return box;
+  }
+
+  /// What a map of distances says from `step` on. width_voxels() is below a block's edge, so that the box
+  /// meets two blocks along an axis at most.
+  HWY_INLINE BeamAhead ask(const Scene& scene, std::int32_t step) const {
+    const Box box = box_at(scene, step);
+    std::int32_t first[3], last[3];
+    for (int axis = 0; axis < 3; ++axis) {
+      const std::int32_t end = static_cast<std::int32_t>(scene.skip.blocks[axis]) - 1;
+      first[axis] = std::clamp(static_cast<std::int32_t>(box.corner[axis] * scene.skip.edge[1]), 0, end);
+      last[axis] = std::clamp(static_cast<std::int32_t>(box.corner[4 + axis] * scene.skip.edge[1]), 0, end);
+    }
+    std::uint32_t distance = 255;
+    for (const std::int32_t z : {first[2], last[2]}) {
+      for (const std::int32_t y : {first[1], last[1]}) {
+        distance = std::min(distance, distance_at(scene, first[0], y, z));
+        distance = std::min(distance, distance_at(scene, last[0], y, z));
+      }
+    }
+    if (distance == 0) return {step + occupied_steps, true};
+    // All blocks nearer than that to any of the box's own are empty.
+    const std::int32_t around = static_cast<std::int32_t>(distance) - 1;
+    float leaves = never;
+    for (int axis = 0; axis < 3; ++axis) {
+      const float below = static_cast<float>(first[axis] - around) * scene.skip.edge[0];
+      const float above = static_cast<float>(last[axis] + 1 + around) * scene.skip.edge[0];
+      leaves = std::min(leaves, (below - entry_[axis]) * inverse_[axis] + stays_[axis]);
+      leaves = std::min(leaves, (above - entry_[4 + axis]) * inverse_[4 + axis] + stays_[4 + axis]);
+    }
+    const float steps = std::min(leaves * (1.0f / scene.step_units) + 0.5f, 1048576.0f);
+    return {std::max(step + 1, static_cast<std::int32_t>(steps)), false};
+  }
+
+ private:
+  static constexpr float margin = 1.0f / 256.0f;  // voxels
+  static constexpr float never = 1e9f;
+  static constexpr std::int32_t occupied_steps = 2;
+
+  /// How a face of the box meets a face before it, if it moves outwards.
+  void moves_out(int corner, bool does) {
+    inverse_[corner] = does ? 1.0f / direction_[corner] : 0.0f;
+    stays_[corner] = does ? 0.0f : never;
+  }
+
+  static HWY_INLINE std::uint32_t distance_at(const Scene& scene, std::int32_t x, std::int32_t y,
+                                              std::int32_t z) {
+    const auto block = static_cast<std::uint32_t>(x);
+    const std::uint32_t row =
+        static_cast<std::uint32_t>(y) * scene.skip.map[0] + static_cast<std::uint32_t>(z) * scene.skip.map[1];
+    return scene.skip_words[row + (block >> 2)] >> (8 * (block & 3)) & 255u;
+  }
+
+  // As in Box: of the least and the largest of all rays.
+  alignas(32) float entry_[8] = {}, direction_[8] = {};
+  float inverse_[8] = {}, stays_[8] = {};
+  float width_ = std::numeric_limits<float>::infinity();
+  std::int32_t whole_ = 0;
+};
+
+}  // namespace HWY_NAMESPACE
+}  // namespace native_cast
+HWY_AFTER_NAMESPACE();
+
+#endif
