@@ -42,8 +42,8 @@ struct PackedVolume {
 
   brace_voxel_type type = BRACE_VOXEL_UINT8;
   alignas(16) std::int32_t last_cell[4] = {};  // along each axis: the last texel but one
-  std::int32_t tile_texels = 0;                // all slices of a tile: from tile to tile along x
-  std::int32_t tile_row_texels = 0;            // along y
+  /// Texels from tile to tile along x and along y, from slice to slice along z, padding.
+  alignas(16) std::int32_t pitch[4] = {0, 0, tile_slice_texels, 0};
   Texels texels;
 
   /// Reads and packs all slices. On failure `error` says why. May throw std::bad_alloc.
@@ -58,11 +58,17 @@ struct Shading {
   float light[3] = {};      // shadow_ao: towards it, metric axes, length 1
 };
 
+/// From an entry of the transfer table to the next: r, g, b and the optical depth of a step in powers of two
+/// at the entry, and how much more they are at the next.
+struct alignas(32) TransferSegment {
+  float entry[4], rise[4];
+};
+
 /// Everything the rays of one call have in common.
 struct Scene {
   const PackedVolume* volume = nullptr;
-  const float* transfer =
-      nullptr;  // r, g, b, optical depth of a step in powers of two; an entry behind the last
+  const TransferSegment* transfer_segments = nullptr;
+  std::int32_t last_segment = 0;
   brace::BraceEyeParams eye{};
   brace_skip_map skip_map = BRACE_SKIP_MAP_NONE;
   const std::uint32_t* skip_words = nullptr;

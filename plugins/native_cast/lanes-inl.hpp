@@ -59,6 +59,9 @@ HWY_INLINE hn::Mask<Ints> for_ints(Mask mask) {
 HWY_INLINE bool any(Mask mask) {
   return !hn::AllFalse(Floats(), mask);
 }
+HWY_INLINE Mask no_lane() {
+  return hn::FirstN(Floats(), 0);
+}
 HWY_INLINE Float lerp(Float low, Float high, Float place) {
   return hn::MulAdd(place, hn::Sub(high, low), low);
 }
@@ -165,17 +168,20 @@ HWY_INLINE void scatter_quads(const Quads& columns, float* to, const std::int32_
   }
 }
 
-/// The quad of gather_quads and the one behind it.
+/// Eight floats from `from` + 8 * at per lane.
 struct QuadPairs {
   Quads first, second;
 };
 
 HWY_INLINE QuadPairs gather_quad_pairs(const float* from, Int at) {
-  HWY_ALIGN std::int32_t index[hn::MaxLanes(Ints())];
-  hn::Store(at, Ints(), index);
 #if HWY_TARGET == HWY_AVX3
   // A load brings both quads of a lane: two lanes fill a vector.
-  const auto pair = [&](int lane) { return _mm256_loadu_ps(from + 4 * std::ptrdiff_t{index[lane]}); };
+  HWY_ALIGN std::uint32_t bytes[16];
+  hn::Store(hn::BitCast(Words(), hn::ShiftLeft<5>(at)), Words(), bytes);
+  asm("" : "+m"(bytes));  // else they come out of the vector one by one, which takes twice as long
+  const auto pair = [&](int lane) {
+    return _mm256_load_ps(reinterpret_cast<const float*>(reinterpret_cast<const char*>(from) + bytes[lane]));
+  };
   const auto row = [&](int lane) {
     return Float{_mm512_insertf32x8(_mm512_castps256_ps512(pair(lane)), pair(lane + 4), 1)};
   };
@@ -188,6 +194,8 @@ HWY_INLINE QuadPairs gather_quad_pairs(const float* from, Int at) {
   }
   return pairs;
 #else
+  HWY_ALIGN std::int32_t index[hn::MaxLanes(Ints())];
+  hn::Store(hn::Add(at, at), Ints(), index);
   return {gather_quads(from, index), gather_quads(from + 4, index)};
 #endif
 }
@@ -196,11 +204,12 @@ struct Point {
   Float x, y, z;
 };
 
-/// 2^-x for x >= 0: a polynomial of what is left to the nearest whole number (the coefficients of Cephes'
-/// exp2f, relative error below 2e-7) and the exponent by its bits. 0 from x = 126 on.
+/// 2^-x for x >= 0, with x = 126 for all above: a polynomial of what is left to the nearest whole number (the
+/// coefficients of Cephes' exp2f, relative error below 2e-7) and the exponent by its bits.
 HWY_INLINE Float exp2_minus(Float x) {
-  const Float whole = hn::Round(hn::Min(x, all(126.0f)));
-  const Float f = hn::Sub(whole, hn::Min(x, all(126.0f)));
+  const Float limited = hn::Min(x, all(126.0f));
+  const Float whole = hn::Round(limited);
+  const Float f = hn::Sub(whole, limited);
   Float p = all(1.535336188319500e-4f);
   p = hn::MulAdd(p, f, all(1.339887440266574e-3f));
   p = hn::MulAdd(p, f, all(9.618437357674640e-3f));
@@ -208,9 +217,12 @@ HWY_INLINE Float exp2_minus(Float x) {
   p = hn::MulAdd(p, f, all(2.402264791363012e-1f));
   p = hn::MulAdd(p, f, all(6.931472028550421e-1f));
   p = hn::MulAdd(p, f, all(1.0f));
+#if HWY_TARGET == HWY_AVX3
+  return Float{_mm512_scalef_ps(p.raw, hn::Neg(whole).raw)};
+#else
   const Int exponent = hn::ShiftLeft<23>(hn::Sub(all_int(127), to_int(whole)));
-  const Float scaled = hn::Mul(p, hn::BitCast(Floats(), exponent));
-  return hn::IfThenElse(hn::Lt(x, all(126.0f)), scaled, hn::Zero(Floats()));
+  return hn::Mul(p, hn::BitCast(Floats(), exponent));
+#endif
 }
 
 /// A packet of rays, a lane each.

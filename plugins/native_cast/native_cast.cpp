@@ -104,7 +104,7 @@ class NativeCast {
         frame.transfer.mapped == nullptr)
       return fail(BRACE_INVALID_ARGUMENT, "a range that a cast on the host needs is not mapped");
     std::memcpy(&scene_.eye, frame.params.mapped, sizeof scene_.eye);
-    scene_.transfer = static_cast<const float*>(frame.transfer.mapped);
+    take_transfer(static_cast<const float*>(frame.transfer.mapped));
     take_skip_map(frame);
     const Rays rays{static_cast<const float*>(frame.ray_entries.mapped),
                     static_cast<const float*>(frame.ray_directions.mapped),
@@ -149,6 +149,19 @@ class NativeCast {
     return BRACE_OK;
   }
 
+  void take_transfer(const float* entries) {
+    const auto count = static_cast<std::size_t>(scene_.eye.transfer[2]);
+    segments_.resize(count);
+    for (std::size_t i = 0; i < count; ++i) {
+      for (std::size_t c = 0; c < 4; ++c) {
+        segments_[i].entry[c] = entries[4 * i + c];
+        segments_[i].rise[c] = entries[4 * i + 4 + c] - entries[4 * i + c];
+      }
+    }
+    scene_.transfer_segments = segments_.data();
+    scene_.last_segment = static_cast<std::int32_t>(count) - 1;
+  }
+
   void take_skip_map(const brace_cast_frame& frame) {
     scene_.skip_map = BRACE_SKIP_MAP_NONE;
     if (frame.struct_size < offsetof(brace_cast_frame, skip_params) + sizeof frame.skip_params) return;
@@ -189,6 +202,7 @@ class NativeCast {
   std::array<double, parameter_count> values_{};
   PackedVolume volume_;
   std::unique_ptr<tbb::task_arena> arena_;
+  std::vector<TransferSegment> segments_;
   Scene scene_;
   std::string error_;
 };

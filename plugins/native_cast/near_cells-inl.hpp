@@ -21,7 +21,7 @@ namespace HWY_NAMESPACE {
 template <brace_voxel_type type>
 constexpr bool has_near_cells = type == BRACE_VOXEL_UINT8&& HWY_TARGET == HWY_AVX3;
 
-/// The widest box of points whose cells lie in two tiles along each axis at most.
+/// The widest box of points whose cells lie in two tiles and five slices at most.
 constexpr float near_voxels = 4.0f;
 
 /// The cells around points that all lie in `box`; lanes whose points do not get anything.
@@ -39,21 +39,22 @@ struct NearTiles {
 };
 
 HWY_INLINE NearTiles near_tiles(const PackedVolume& volume, const Box& box) {
-  const __m256i end =
-      _mm256_broadcastsi128_si256(_mm_load_si128(reinterpret_cast<const __m128i*>(volume.last_cell)));
+  const auto both = [](const std::int32_t(&of)[4]) {
+    return _mm256_broadcastsi128_si256(_mm_load_si128(reinterpret_cast<const __m128i*>(of)));
+  };
   const __m256i at = _mm256_cvttps_epi32(_mm256_add_ps(_mm256_load_ps(box.corner), _mm256_set1_ps(0.5f)));
-  const __m256i cell = _mm256_max_epi32(_mm256_min_epi32(at, end), _mm256_setzero_si256());
-  alignas(32) std::int32_t corner[8];
-  _mm256_store_si256(reinterpret_cast<__m256i*>(corner), cell);
-  const std::int32_t x = corner[0] >> 2, y = corner[1] >> 2;
-  return {volume.texels.data() + std::ptrdiff_t{x} * volume.tile_texels +
-              std::ptrdiff_t{y} * volume.tile_row_texels + corner[2] * PackedVolume::tile_slice_texels,
-          ((corner[4] >> 2) - x) * std::ptrdiff_t{volume.tile_texels},
-          ((corner[5] >> 2) - y) * std::ptrdiff_t{volume.tile_row_texels},
-          4 * x,
-          4 * y,
-          corner[2],
-          corner[6]};
+  const __m256i cell = _mm256_max_epi32(_mm256_min_epi32(at, both(volume.last_cell)), _mm256_setzero_si256());
+  const __m256i tile = _mm256_srlv_epi32(cell, _mm256_setr_epi32(2, 2, 0, 0, 2, 2, 0, 0));
+  alignas(32) std::int32_t cells[8], texels[8];
+  _mm256_store_si256(reinterpret_cast<__m256i*>(cells), cell);
+  _mm256_store_si256(reinterpret_cast<__m256i*>(texels), _mm256_mullo_epi32(tile, both(volume.pitch)));
+  return {volume.texels.data() + texels[0] + texels[1] + texels[2],
+          texels[4] - texels[0],
+          texels[5] - texels[1],
+          cells[0] & ~3,
+          cells[1] & ~3,
+          cells[2],
+          cells[6]};
 }
 
 template <>
@@ -70,20 +71,29 @@ HWY_INLINE Cell<BRACE_VOXEL_UINT8> near_cell<BRACE_VOXEL_UINT8>(const PackedVolu
       _mm512_or_si512(_mm512_and_si512(x, three), _mm512_slli_epi32(_mm512_and_si512(y, three), 2));
   const __m512i place = _mm512_or_si512(in_tile, _mm512_slli_epi32(_mm512_andnot_si512(three, x), 2));
   const __mmask16 is_lower = _mm512_test_epi32_mask(y, _mm512_set1_epi32(4));
-  __m512i near = _mm512_setzero_si512(), far = near;
-  __mmask16 before = 0;
-  const std::uint32_t* slice = tiles.texels;
-  for (std::int32_t k = tiles.first; k <= tiles.last + 1; ++k, slice += PackedVolume::tile_slice_texels) {
-    const auto row = [&](const std::uint32_t* from) {
-      return _mm512_permutex2var_epi32(_mm512_load_si512(from), place, _mm512_load_si512(from + tiles.right));
+  const __m512i in_box = _mm512_sub_epi32(z, _mm512_set1_epi32(tiles.first));
+  const auto slice = [&](int k) {
+    const std::uint32_t* const from = tiles.texels + k * PackedVolume::tile_slice_texels;
+    const auto row = [&](const std::uint32_t* texels) {
+      return _mm512_permutex2var_epi32(_mm512_load_si512(texels), place,
+                                       _mm512_load_si512(texels + tiles.right));
     };
-    __m512i texels = row(slice);
-    if (tiles.lower != 0) texels = _mm512_mask_mov_epi32(texels, is_lower, row(slice + tiles.lower));
-    const __mmask16 here = _mm512_cmpeq_epi32_mask(z, _mm512_set1_epi32(k));
-    near = _mm512_mask_mov_epi32(near, here, texels);
-    far = _mm512_mask_mov_epi32(far, before, texels);
-    before = here;
-  }
+    if (tiles.lower == 0) return row(from);
+    return _mm512_mask_mov_epi32(row(from), is_lower, row(from + tiles.lower));
+  };
+  // The first two slices serve the cells of the first; with each more, those of the one before it.
+  __m512i near = slice(0), far = slice(1), next = far;
+  const std::int32_t more = tiles.last - tiles.first;
+  const auto take = [&](int k) {
+    const __mmask16 here = _mm512_cmpeq_epi32_mask(in_box, _mm512_set1_epi32(k));
+    near = _mm512_mask_mov_epi32(near, here, next);
+    next = slice(k + 1);
+    far = _mm512_mask_mov_epi32(far, here, next);
+  };
+  if (more >= 1) take(1);
+  if (more >= 2) take(2);
+  if (more >= 3) take(3);
+  if (more >= 4) take(4);
   return {at, Word{near}, Word{far}};
 }
 

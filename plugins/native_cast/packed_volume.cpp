@@ -31,7 +31,7 @@ void pack(const PackedVolume& volume, const unsigned char* voxels, const std::ui
   for (std::ptrdiff_t y = 0; y < down + 2; ++y) {
     const std::ptrdiff_t upper = std::clamp<std::ptrdiff_t>(y - 1, 0, down - 1);
     const std::ptrdiff_t lower = std::min(y, down - 1);
-    std::uint32_t* const row = tiles + (y >> 2) * volume.tile_row_texels + (y & 3) * 4;
+    std::uint32_t* const row = tiles + (y >> 2) * volume.pitch[1] + (y & 3) * 4;
     for (std::ptrdiff_t x = 0; x < across + 2; ++x) {
       const std::ptrdiff_t left = std::clamp<std::ptrdiff_t>(x - 1, 0, across - 1);
       const std::ptrdiff_t right = std::min(x, across - 1);
@@ -39,7 +39,7 @@ void pack(const PackedVolume& volume, const unsigned char* voxels, const std::ui
       if constexpr (sizeof(Voxel) == 1)
         texel |= load(upper, right) << 8 | load(lower, left) << 16 | load(lower, right) << 24;
       if constexpr (sizeof(Voxel) == 2) texel |= load(upper, right) << 16;
-      row[(x >> 2) * volume.tile_texels + (x & 3)] = texel;
+      row[(x >> 2) * volume.pitch[0] + (x & 3)] = texel;
     }
   }
 }
@@ -76,8 +76,8 @@ brace_result PackedVolume::read(const brace_volume& volume, std::string& error) 
   }
   for (int axis = 0; axis < 3; ++axis)
     last_cell[axis] = static_cast<std::int32_t>(volume.dims[axis]);
-  tile_texels = static_cast<std::int32_t>(slices * tile_slice_texels);
-  tile_row_texels = static_cast<std::int32_t>(slices * tile_slice_texels * tiles_across);
+  pitch[0] = static_cast<std::int32_t>(slices * tile_slice_texels);
+  pitch[1] = static_cast<std::int32_t>(slices * tile_slice_texels * tiles_across);
   texels = Texels(total);
   const std::size_t voxels = std::size_t{volume.dims[0]} * volume.dims[1];
   std::vector<unsigned char> raw(voxels * bytes_of(type));
@@ -96,7 +96,7 @@ brace_result PackedVolume::read(const brace_volume& volume, std::string& error) 
   const auto copy_slice = [&](std::uint32_t* tile, std::uint64_t from, std::uint64_t to) {
     std::copy_n(tile + from * tile_slice_texels, tile_slice_texels, tile + to * tile_slice_texels);
   };
-  for (std::uint32_t* tile = texels.data(); tile != texels.data() + total; tile += tile_texels) {
+  for (std::uint32_t* tile = texels.data(); tile != texels.data() + total; tile += pitch[0]) {
     copy_slice(tile, 1, 0);
     copy_slice(tile, slices - 2, slices - 1);
   }

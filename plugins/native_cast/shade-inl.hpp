@@ -90,9 +90,10 @@ HWY_NOINLINE Float depth_towards(const Scene& scene, const Point& from, const fl
                    hn::MulAdd(steps, all(z), from.z)};
     const Mask there = hn::And(hn::And(inside(at.x, 0), inside(at.y, 1)), hn::And(inside(at.z, 2), wanted));
     if (!any(there)) continue;
-    const Entry entry = entry_at(scene, coordinate_of(scene, value_at<type>(scene, at, there)));
-    const Int w = hn::Add(hn::ShiftLeft<2>(entry.index), all_int(3));
-    const Float here = lerp(gather(scene.transfer, w), gather(scene.transfer + 4, w), entry.place);
+    const Entry entry = entry_at<type>(scene, coordinate_of(scene, value_at<type>(scene, at, there)));
+    const Int segment = hn::ShiftLeft<3>(entry.index);
+    const Float here = hn::MulAdd(entry.place, gather(scene.transfer_segments->rise + 3, segment),
+                                  gather(scene.transfer_segments->entry + 3, segment));
     depth = hn::Add(depth, hn::IfThenElseZero(hn::And(there, hn::Gt(here, zero)), here));
   }
   return hn::Mul(depth, all(shading.step_units / scene.step_units));

@@ -77,44 +77,66 @@ class Traversal {
   }
 
  private:
+  /// What a step meets, before it is looked up in the transfer table.
+  struct Met {
+    Lattice at;
+    Mask shown;  // lanes whose cells may show something
+    Entry entry;
+  };
+
+  /// All lanes at the same step. The look-up of a step is done after the next one's cells have been asked
+  /// for, so that they do not wait for each other.
   HWY_INLINE void go_together(const Scene& scene, const Beam& beam, const EmptyBytes& empty,
                               brace_work_counts& counts) {
     const bool asks = scene.skip_map != BRACE_SKIP_MAP_NONE;
-    const bool is_near = has_near_cells<type> && beam.width_voxels() < near_voxels;
     std::int32_t step = 0, ask_from = 0;
+    Met before;
+    before.shown = no_lane();
+    const auto stand_at = [&](std::int32_t at) {
+      step = at;
+      if (step < beam.whole_steps()) return;
+      active_ = hn::And(active_, hn::Lt(all(static_cast<float>(step)), count_));
+    };
     while (any(active_)) {
       if (asks && step >= ask_from) {
         counts.skip_steps += 1;
         const BeamAhead ahead = beam.ask(scene, step);
         ask_from = ahead.next;
-        if (!ahead.occupied) step = ahead.next;
-        if (step >= beam.whole_steps())
-          active_ = hn::And(active_, hn::Lt(all(static_cast<float>(step)), count_));
-        if (!ahead.occupied) continue;
+        if (!ahead.occupied) {
+          stand_at(ahead.next);
+          continue;
+        }
       }
       const float begin = static_cast<float>(step);
       Lattice at{all(begin), all(1.0f), all((begin + 0.5f) * scene.step_units)};
       if (step >= beam.whole_steps()) at = lattice_point(scene, segments_, at.begin);
       const Point voxel = along(rays_, at.t);
+      Met met = meet(scene, at, cell_of(scene, beam, step, voxel), empty);
+      bool shows = any(met.shown);
+      if (any(before.shown)) {
+        const Seen seen = integrate(scene, before, counts);
+        active_ = hn::AndNot(seen.opaque, active_);
+        met.shown = hn::AndNot(seen.opaque, met.shown);
+        shows = shows && any(seen.visible);
+      }
       counts.samples += hn::CountTrue(Floats(), active_);
-      const Mask visible =
-          is_near ? sample_near(scene, beam, step, at, voxel, empty, counts)
-                  : sample(scene, at, voxel, Cell<type>::fetch(*scene.volume, voxel, active_), empty, counts);
-      step += 1;
-      if (any(visible)) ask_from = std::max(ask_from, step + 1);
-      if (step >= beam.whole_steps())
-        active_ = hn::And(active_, hn::Lt(all(static_cast<float>(step)), count_));
+      if (shows) ask_from = std::max(ask_from, step + 2);
+      before = met;
+      stand_at(step + 1);
     }
+    if (any(before.shown)) (void)integrate(scene, before, counts);
   }
 
-  HWY_INLINE Mask sample_near(const Scene& scene, const Beam& beam, std::int32_t step, const Lattice& at,
-                              const Point& voxel, const EmptyBytes& empty, brace_work_counts& counts) {
-    if constexpr (has_near_cells<type>)
-      return sample(scene, at, voxel, near_cell<type>(*scene.volume, voxel, beam.box_at(scene, step)), empty,
-                    counts);
-    return active_;
+  HWY_INLINE Cell<type> cell_of(const Scene& scene, const Beam& beam, std::int32_t step,
+                                const Point& voxel) const {
+    if constexpr (has_near_cells<type>) {
+      if (beam.width_voxels() < near_voxels)
+        return near_cell<type>(*scene.volume, voxel, beam.box_at(scene, step));
+    }
+    return Cell<type>::fetch(*scene.volume, voxel, active_);
   }
 
+  /// Every lane at its own step.
   void go_apart(const Scene& scene, const EmptyBytes& empty, brace_work_counts& counts) {
     const Inverse inverse = inverse_of(rays_);
     Int i = all_int(0);         // on the lattice
@@ -136,42 +158,53 @@ class Traversal {
         continue;
       }
       counts.samples += hn::CountTrue(Floats(), active_);
-      const Mask visible =
-          sample(scene, at, voxel, Cell<type>::fetch(*scene.volume, voxel, active_), empty, counts);
+      const Met met = meet(scene, at, Cell<type>::fetch(*scene.volume, voxel, active_), empty);
+      Seen seen{met.shown, no_lane()};
+      if (any(met.shown)) seen = integrate(scene, met, counts);
       i = hn::Add(i, all_int(1));
-      active_ = hn::And(active_, hn::Lt(to_float(i), count_));
-      seeking = hn::AndNot(visible, hn::AndNot(for_floats(hn::Lt(i, ask_from)), active_));
+      active_ = hn::And(hn::AndNot(seen.opaque, active_), hn::Lt(to_float(i), count_));
+      seeking = hn::AndNot(seen.visible, hn::AndNot(for_floats(hn::Lt(i, ask_from)), active_));
     }
   }
 
-  /// Adds what is visible, and returns where that was.
-  HWY_INLINE Mask sample(const Scene& scene, const Lattice& at, const Point& voxel, const Cell<type>& cell,
-                         const EmptyBytes& empty, brace_work_counts& counts) {
-    Mask visible = hn::AndNot(is_empty(scene, cell, empty), active_);
-    if (!any(visible)) return visible;
+  HWY_INLINE Met meet(const Scene& scene, const Lattice& at, const Cell<type>& cell,
+                      const EmptyBytes& empty) const {
+    Met met{at, hn::AndNot(is_empty(scene, cell, empty), active_), {}};
+    if (!any(met.shown)) return met;
     const Float coordinate = coordinate_of(scene, cell.value(scene));
-    Look look = look_up(scene, entry_at(scene, coordinate));
-    const Float x = hn::Mul(at.part, look.depth);
-    visible = hn::And(visible, hn::Gt(x, hn::Zero(Floats())));
-    if constexpr (type == BRACE_VOXEL_FLOAT32)
-      visible = hn::And(visible, hn::Eq(coordinate, coordinate));  // no NaN
-    if (!any(visible)) return visible;
+    if constexpr (type == BRACE_VOXEL_FLOAT32)  // no NaN
+      met.shown = hn::And(met.shown, hn::Eq(coordinate, coordinate));
+    met.entry = entry_at<type>(scene, coordinate);
+    return met;
+  }
+
+  /// Lanes where a step was visible, and where it has made the ray opaque.
+  struct Seen {
+    Mask visible, opaque;
+  };
+
+  /// Adds what is visible.
+  HWY_INLINE Seen integrate(const Scene& scene, const Met& met, brace_work_counts& counts) {
+    Look look = look_up(scene, met.entry);
+    const Float x = hn::Mul(met.at.part, look.depth);
+    const Mask visible = hn::And(met.shown, hn::Gt(x, hn::Zero(Floats())));
+    if (!any(visible)) return {visible, visible};
     if (scene.shading.kind != BRACE_SHADING_NONE) {
-      look.colour = shaded<type>(scene, rays_, voxel, visible, look.colour);
+      look.colour = shaded<type>(scene, rays_, along(rays_, met.at.t), visible,
+                                 {look.colour.x, look.colour.y, look.colour.z});
       counts.shading_fetches += shading_fetches_per_sample(scene) * hn::CountTrue(Floats(), visible);
     }
-    add_segment(visible, at.t, x, look.colour);
+    add_segment(visible, met.at.t, x, look.colour);
     const Mask opaque = hn::And(visible, hn::Le(result_.transmittance, all(scene.opaque_transmittance)));
-    if (trail_ != nullptr) leave(scene, at, visible, opaque, look.colour, x);
-    active_ = hn::AndNot(opaque, active_);
-    return visible;
+    if (trail_ != nullptr) leave(scene, met.at, visible, opaque, look.colour, x);
+    return {visible, opaque};
   }
 
   /// Exponential midpoint rule, for the lanes of `visible`.
   HWY_INLINE void add_segment(Mask visible, Float t, Float x, const Point& colour) {
     result_.hit = hn::IfThenElse(visible, hn::Min(result_.hit, t), result_.hit);
     result_.optical_depth = hn::Add(result_.optical_depth, hn::IfThenElseZero(visible, x));
-    const Float left = hn::IfThenElse(visible, exp2_minus(result_.optical_depth), result_.transmittance);
+    const Float left = exp2_minus(result_.optical_depth);
     const Float taken = hn::Sub(result_.transmittance, left);
     result_.colour = {hn::MulAdd(taken, colour.x, result_.colour.x),
                       hn::MulAdd(taken, colour.y, result_.colour.y),

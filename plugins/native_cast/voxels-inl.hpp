@@ -23,8 +23,8 @@ struct CellAt {
 };
 
 HWY_INLINE Int texel_at(const PackedVolume& volume, Int x, Int y, Int z) {
-  const Int tile = hn::Add(hn::Mul(hn::ShiftRight<2>(x), all_int(volume.tile_texels)),
-                           hn::Mul(hn::ShiftRight<2>(y), all_int(volume.tile_row_texels)));
+  const Int tile = hn::Add(hn::Mul(hn::ShiftRight<2>(x), all_int(volume.pitch[0])),
+                           hn::Mul(hn::ShiftRight<2>(y), all_int(volume.pitch[1])));
   const Int in_slice = hn::Or(hn::And(x, all_int(3)), hn::ShiftLeft<2>(hn::And(y, all_int(3))));
   return hn::Add(tile, hn::Or(hn::ShiftLeft<4>(z), in_slice));
 }
@@ -36,7 +36,11 @@ HWY_INLINE Point from_apron(const Point& voxel) {
 }
 
 HWY_INLINE Float fraction(Float at) {
+#if HWY_TARGET == HWY_AVX3
+  return Float{_mm512_reduce_ps(at.raw, _MM_FROUND_TO_NEG_INF | _MM_FROUND_NO_EXC)};
+#else
   return hn::Sub(at, hn::Floor(at));
+#endif
 }
 
 HWY_INLINE CellAt cell_at(const PackedVolume& volume, const Point& voxel, Mask wanted) {
@@ -56,7 +60,7 @@ HWY_INLINE WordPair gather_slices(const PackedVolume& volume, Int texel) {
 
 HWY_INLINE Float byte_of(Word texels, int byte) {
   const Word shifted = hn::ShiftRightSame(texels, 8 * byte);
-  return to_float(hn::BitCast(Ints(), hn::And(shifted, hn::Set(Words(), 255u))));
+  return to_float(hn::BitCast(Ints(), byte == 3 ? shifted : hn::And(shifted, hn::Set(Words(), 255u))));
 }
 HWY_INLINE Float half_of(Word texels, bool high) {
   const Word half = high ? hn::ShiftRight<16>(texels) : hn::And(texels, hn::Set(Words(), 0xffffu));
@@ -145,11 +149,13 @@ struct Entry {
   Float place;
 };
 
+template <brace_voxel_type type>
 HWY_INLINE Entry entry_at(const Scene& scene, Float coordinate) {
-  const Float last = all(scene.eye.transfer[2]);
-  const Float above = hn::IfThenElseZero(hn::Gt(coordinate, hn::Zero(Floats())), coordinate);
-  const Float clamped = hn::Min(above, last);
-  const Int index = hn::Min(to_int(clamped), to_int(hn::Sub(last, all(1.0f))));
+  Float above = hn::Max(coordinate, hn::Zero(Floats()));
+  if constexpr (type == BRACE_VOXEL_FLOAT32)
+    above = hn::IfThenElseZero(hn::Gt(coordinate, hn::Zero(Floats())), coordinate);
+  const Float clamped = hn::Min(above, all(scene.eye.transfer[2]));
+  const Int index = hn::Min(to_int(clamped), all_int(scene.last_segment));
   return {index, hn::Sub(clamped, to_float(index))};
 }
 
@@ -160,8 +166,10 @@ struct Look {
 };
 
 HWY_INLINE Look look_up(const Scene& scene, const Entry& entry) {
-  const QuadPairs pair = gather_quad_pairs(scene.transfer, entry.index);
-  const auto column = [&](int c) { return lerp(pair.first.column[c], pair.second.column[c], entry.place); };
+  const QuadPairs segment = gather_quad_pairs(scene.transfer_segments->entry, entry.index);
+  const auto column = [&](int c) {
+    return hn::MulAdd(entry.place, segment.second.column[c], segment.first.column[c]);
+  };
   return {{column(0), column(1), column(2)}, column(3)};
 }
 
