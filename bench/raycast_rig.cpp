@@ -137,6 +137,7 @@ EyeCast RaycastRig::eye(const CastPipeline::Resources& resources) const {
           .pipeline = pipeline_,
           .resources = resources,
           .view = scene_.eye,
+          .full_rate = true,
           .cast = native_ ? &native_ : nullptr};
 }
 

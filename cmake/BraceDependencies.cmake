@@ -2,6 +2,7 @@
 find_package(fmt REQUIRED)
 find_package(glm REQUIRED)
 find_package(TBB REQUIRED)
+find_package(hwy REQUIRED)
 find_package(Eigen3 REQUIRED NO_MODULE)
 find_package(tomlplusplus REQUIRED)
 find_package(PNG REQUIRED)

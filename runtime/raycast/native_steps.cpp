@@ -4,6 +4,7 @@
 #include <span>
 
 #include "base/error.hpp"
+#include "runtime/raycast/host_braces.hpp"
 #include "runtime/raycast/segment_replay.hpp"
 
 namespace brace {
@@ -192,6 +193,11 @@ SimDuration execute_cast(const EyeCast& eye, const CastArea& area, HostRays& hos
   return std::chrono::steady_clock::now() - begin;
 }
 
+bool has_host_braces(const EyeCast& eye) {
+  return eye.full_rate && eye.rays == nullptr && eye.cast != nullptr && eye.cast->casts_on_host() &&
+         eye.device.limits().is_software && maps_braces(eye.resources);
+}
+
 SimDuration cast_on_host(const EyeCast& eye, const CastArea& area, HostRays& host, WorkCounts& counted,
                          gpu::CommandList& commands) {
   return eye.segments != nullptr ? eye.segments->cast(eye, area, host, counted, commands)
@@ -214,6 +220,12 @@ EyeCastOutcome cast_eye(const EyeCast& eye, gpu::CommandList& commands, HostRays
     eye.watchdog->attribute_loss(stage, frame, [&] { time_ns = submit(commands); });
     return time_ns;
   };
+  if (!watched && has_host_braces(eye)) {
+    outcome.time_ns += to_ns(open_on_host(eye.resources, rays));
+    outcome.time_ns += to_ns(cast_on_host(eye, rays, host, outcome.counted, commands));
+    outcome.time_ns += to_ns(close_on_host(eye.resources, image));
+    return outcome;
+  }
   commands.reset();
   record_opening(eye, commands, rays);
   if (on_host || watched) {

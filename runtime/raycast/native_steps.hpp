@@ -32,6 +32,7 @@ struct EyeCast {
   std::uint32_t eye = 0;  // 0 left, 1 right
   std::uint64_t frame = 0;
   const NativeStage* rays = nullptr;  // null: the pipeline's kernels
+  bool full_rate = false;  // the rays are rays/full_rate's as they come: their braces may work on the host
   const NativeStage* cast = nullptr;
   Watchdog* watchdog = nullptr;
   const std::string* rays_id = nullptr;  // names for the watchdog; null: that of the native stage
@@ -57,6 +58,9 @@ brace_cast_frame cast_frame(const EyeCast& eye, VkCommandBuffer_T* commands, con
 /// are written. `segments` may be null.
 SimDuration execute_cast(const EyeCast& eye, const CastArea& area, HostRays& host, WorkCounts& counted,
                          const brace_segment_sink* segments = nullptr);
+
+/// Whether the braces work on the host: the cast does, the rays are full_rate's, and the device maps the buffers.
+bool has_host_braces(const EyeCast& eye);
 
 /// The same, and what wants segments has been told of them; `commands` are used up where there are any.
 SimDuration cast_on_host(const EyeCast& eye, const CastArea& area, HostRays& host, WorkCounts& counted,

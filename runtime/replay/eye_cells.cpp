@@ -43,14 +43,12 @@ JobOutcome EyeRenderer::render_cells(const Pose& world_from_head, const EyePair&
     const CastPipeline::Resources resources = resources_of(eye, target, rays());
     const CastArea all{0, 0, resources.rays_across(), resources.rays_down()};
     const std::size_t first = cells_.size();
-    const SimDuration opening =
-        submit_step("opening", [&] { pipeline_.record_opening(commands_, resources, all); });
+    const EyeCast whole = eye_cast(eye, view, resources);
+    const SimDuration opening = open(whole, all);
     const CellCuts& cuts = cells.cuts.empty() ? even : cells.cuts[static_cast<std::size_t>(eye)];
     for (int i = 0; i < cuts.columns * cuts.rows; ++i)
       cells_.push_back(cast_cell(eye, view, resources, rays_of(cuts.area(i), all)));
-    const SimDuration closing = submit_step("closing", [&] {
-      pipeline_.record_closing(commands_, resources, {0, 0, target.width_px, target.height_px});
-    });
+    const SimDuration closing = close(whole, {0, 0, target.width_px, target.height_px});
     cells_[first].device_time += opening;
     cells_.back().device_time += closing;
     if (keeps_first_hits_) {
@@ -82,11 +80,11 @@ CellOutcome EyeRenderer::render_cell(const Pose& world_from_head, const EyePair&
   set_eye(eye, view, target);
   const CastPipeline::Resources resources = resources_of(eye, target, rays());
   if (native_cast_) {
-    const SimDuration opening =
-        submit_step("opening", [&] { pipeline_.record_opening(commands_, resources, area); });
+    const EyeCast whole = eye_cast(eye, view, resources);
+    const SimDuration opening = open(whole, area);
     CellOutcome cell = cast_cell(eye, view, resources, area);
     cell.device_time += opening;
-    cell.device_time += submit_step("closing", [&] { pipeline_.record_closing(commands_, resources, area); });
+    cell.device_time += close(whole, area);
     return cell;
   }
   pipeline_.reset_counters(device_);

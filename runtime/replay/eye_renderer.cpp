@@ -4,6 +4,7 @@
 
 #include "base/error.hpp"
 #include "runtime/host/stage_glsl.hpp"
+#include "runtime/raycast/host_braces.hpp"
 #include "runtime/raycast/volume_levels.hpp"
 #include "runtime/replay/cast_integrator.hpp"
 #include "runtime/replay/scene_shading.hpp"
@@ -99,6 +100,7 @@ EyeRenderer::EyeRenderer(const gpu::Device& device, const Session& session, cons
       mab_(make_mab(device, session, headset)),
       own_rays_(mab_ ? RayBuffers()
                      : RayBuffers(device, headset.eye.width_px, headset.eye.height_px, guard_bytes(session))),
+      full_rate_(session.pipeline.at("rays").stage.id() == "rays/full_rate"),
       commands_(device, "eyes"),
       replay_(device),
       watchdog_(watchdog) {
@@ -207,6 +209,7 @@ EyeCastOutcome EyeRenderer::cast_eye_by_steps(sim::Eye eye, const Pose& world_fr
                                      .eye = static_cast<std::uint32_t>(eye),
                                      .frame = frame_,
                                      .rays = native_rays_ ? &**native_rays_ : nullptr,
+                                     .full_rate = full_rate_,
                                      .cast = native_cast_ ? &**native_cast_ : nullptr,
                                      .watchdog = watchdog_,
                                      .rays_id = &rays_id,
@@ -269,8 +272,19 @@ EyeCast EyeRenderer::eye_cast(sim::Eye eye, const EyeView& view, const CastPipel
           .view = view,
           .eye = static_cast<std::uint32_t>(eye),
           .frame = frame_,
+          .full_rate = full_rate_,
           .cast = native_cast_ ? &**native_cast_ : nullptr,
           .segments = segments()};
+}
+
+SimDuration EyeRenderer::open(const EyeCast& eye, const CastArea& rays) {
+  if (has_host_braces(eye)) return open_on_host(eye.resources, rays);
+  return submit_step("opening", [&] { pipeline_.record_opening(commands_, eye.resources, rays); });
+}
+
+SimDuration EyeRenderer::close(const EyeCast& eye, const CastArea& image) {
+  if (has_host_braces(eye)) return close_on_host(eye.resources, image);
+  return submit_step("closing", [&] { pipeline_.record_closing(commands_, eye.resources, image); });
 }
 
 bool EyeRenderer::casts_frames_on_host() const {
@@ -292,6 +306,25 @@ void EyeRenderer::for_each_eye(std::span<const Frame> frames, const Visit& visit
       ++number;
     }
   }
+}
+
+JobOutcome EyeRenderer::render_with_host_braces(std::span<const Frame> frames) {
+  const CastArea all{0, 0, own_rays_.across, own_rays_.down};
+  JobOutcome outcome;
+  for (const Frame& frame : frames) {
+    for (const sim::Eye eye : sim::all_eyes) {
+      const EyeTarget& target = frame.into[static_cast<std::size_t>(eye)];
+      const EyeView view = eye_view(headset_, eye, frame.world_from_head);
+      set_eye(eye, view, target);
+      const CastPipeline::Resources resources = resources_of(eye, target, own_rays_);
+      const EyeCast one = eye_cast(eye, view, resources);
+      outcome.device_time += open(one, all);
+      outcome.device_time += cast_on_host(one, all, host_rays_, outcome.work, commands_);
+      outcome.device_time += close(one, all);
+    }
+    ++frame_;
+  }
+  return outcome;
 }
 
 JobOutcome EyeRenderer::render_on_host(std::span<const Frame> frames) {
@@ -317,7 +350,13 @@ JobOutcome EyeRenderer::render_on_host(std::span<const Frame> frames) {
 }
 
 JobOutcome EyeRenderer::render_each(std::span<const Frame> frames) {
-  if (casts_frames_on_host()) return render_on_host(frames);
+  if (frames.empty()) return {};
+  if (casts_frames_on_host()) {
+    const CastPipeline::Resources first = resources_of(sim::Eye::left, frames.front().into[0], own_rays_);
+    const EyeView view = eye_view(headset_, sim::Eye::left, frames.front().world_from_head);
+    return has_host_braces(eye_cast(sim::Eye::left, view, first)) ? render_with_host_braces(frames)
+                                                                  : render_on_host(frames);
+  }
   JobOutcome outcome;
   for (const Frame& frame : frames) {
     const JobOutcome one = render(frame.world_from_head, frame.into);

@@ -116,6 +116,10 @@ class EyeRenderer {
   template <class Visit>
   void for_each_eye(std::span<const Frame> frames, const Visit& visit);
   JobOutcome render_on_host(std::span<const Frame> frames);
+  JobOutcome render_with_host_braces(std::span<const Frame> frames);
+  /// The braces of rays that cast_on_host() casts, on the host where they may work there.
+  SimDuration open(const EyeCast& eye, const CastArea& rays);
+  SimDuration close(const EyeCast& eye, const CastArea& image);
   JobOutcome render_by_steps(const Pose& world_from_head, const EyePair& into);
   CellOutcome cast_cell(sim::Eye eye, const EyeView& view, const CastPipeline::Resources& resources,
                         const CastArea& area);
@@ -135,6 +139,7 @@ class EyeRenderer {
   CastPipeline pipeline_;
   std::unique_ptr<MabBraces> mab_;    // null unless the session's rays are rays/mab's
   RayBuffers own_rays_;               // empty with mab_
+  bool full_rate_ = false;  // rays/full_rate
   std::deque<RayBuffers> more_rays_;  // of render_on_host: every eye's but the first
   std::vector<gpu::Binding> bindings_;
   std::vector<CellOutcome> cells_;  // of the last render_cells
