@@ -49,8 +49,7 @@ HWY_INLINE void open_vector(const BraceEyeParams& eye, float x, float y, float* 
   for (int i = 0; i < 3; ++i) {
     direction[i] = hn::Mul(hn::Mul(to[i], inverse), all(eye.voxels_per_unit[i]));
     // An axis that the ray is parallel to gets a tiny slope: no division by zero, hence no 0 * inf.
-    const Float slope =
-        hn::IfThenElse(hn::Lt(hn::Abs(direction[i]), all(1e-20f)), all(1e-20f), direction[i]);
+    const Float slope = hn::IfThenElse(hn::Lt(hn::Abs(direction[i]), all(1e-20f)), all(1e-20f), direction[i]);
     const Float to_low = hn::Div(all(-eye.eye[i]), slope);
     const Float to_high = hn::Div(all(eye.volume_dims[i] - eye.eye[i]), slope);
     begin = hn::Max(begin, hn::Min(to_low, to_high));
@@ -70,13 +69,14 @@ HWY_INLINE void open_vector(const BraceEyeParams& eye, float x, float y, float* 
 constexpr std::size_t lanes_max = HWY_MAX_BYTES / 4;
 
 /// `count` rays of a row.
-void open_row(const BraceEyeParams& eye, std::uint32_t x, std::uint32_t y, std::uint32_t count, float* entries,
-              float* directions) {
+void open_row(const BraceEyeParams& eye, std::uint32_t x, std::uint32_t y, std::uint32_t count,
+              float* entries, float* directions) {
   const auto lanes = static_cast<std::uint32_t>(hn::Lanes(Floats()));
   const auto row = static_cast<float>(y);
   std::uint32_t i = 0;
   for (; i + lanes <= count; i += lanes)
-    open_vector(eye, static_cast<float>(x + i), row, entries + 4 * std::size_t{i}, directions + 4 * std::size_t{i});
+    open_vector(eye, static_cast<float>(x + i), row, entries + 4 * std::size_t{i},
+                directions + 4 * std::size_t{i});
   if (i == count) return;
   HWY_ALIGN float last[2][4 * lanes_max];
   open_vector(eye, static_cast<float>(x + i), row, last[0], last[1]);
@@ -163,13 +163,14 @@ SimDuration open_on_host(const CastPipeline::Resources& in, const CastArea& area
 
 SimDuration close_on_host(const CastPipeline::Resources& in, const CastArea& area) {
   const auto& eye = *mapped<const BraceEyeParams>(in.target.params);
-  const auto left = static_cast<std::uint32_t>(eye.ray_base[3]), top = static_cast<std::uint32_t>(eye.ray_dx[3]);
+  const auto left = static_cast<std::uint32_t>(eye.ray_base[3]),
+             top = static_cast<std::uint32_t>(eye.ray_dx[3]);
   const auto x = static_cast<std::uint32_t>(area.x), count = static_cast<std::uint32_t>(area.width);
   return for_each_row(area, [&](std::uint32_t y) {
     const std::size_t ray = std::size_t{y + top} * eye.grid[0] + x + left;
     const std::size_t pixel = std::size_t{y} * eye.grid[2] + x;
-    HWY_DYNAMIC_DISPATCH(close_row)(mapped<const float>(in.rays.colours) + 4 * ray, count,
-                                    mapped<std::uint32_t>(in.target.image) + pixel);
+    HWY_DYNAMIC_DISPATCH(close_row)
+    (mapped<const float>(in.rays.colours) + 4 * ray, count, mapped<std::uint32_t>(in.target.image) + pixel);
     std::copy_n(mapped<const float>(in.rays.depths_m) + ray, count, mapped<float>(in.target.depth) + pixel);
   });
 }

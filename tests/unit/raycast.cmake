@@ -1,5 +1,6 @@
-brace_test(raycast_test LABEL gpu LIBRARIES brace::raycast brace::reference nlohmann_json::nlohmann_json SOURCES
+brace_test(raycast_test LABEL gpu LIBRARIES brace::raycast brace::reference hwy::hwy nlohmann_json::nlohmann_json SOURCES
   ${CMAKE_CURRENT_LIST_DIR}/raycast/extremes_test.cpp
+  ${CMAKE_CURRENT_LIST_DIR}/raycast/host_braces_test.cpp
   ${CMAKE_CURRENT_LIST_DIR}/raycast/integrators_test.cpp
   ${CMAKE_CURRENT_LIST_DIR}/raycast/integrate_test.cpp
   ${CMAKE_CURRENT_LIST_DIR}/raycast/layout_test.cpp
