@@ -24,6 +24,75 @@ struct Box {
   alignas(32) float corner[8];
 };
 
+/// Blocks of the skip map, from the first to the last along each axis.
+struct BlockRange {
+  std::int32_t first[3], last[3];
+};
+
+/// Calls test(x, y, z) for the blocks of a range until one is true.
+template <typename Test>
+HWY_INLINE bool any_of(const BlockRange& blocks, const Test& test) {
+  for (std::int32_t z = blocks.first[2]; z <= blocks.last[2]; ++z) {
+    for (std::int32_t y = blocks.first[1]; y <= blocks.last[1]; ++y) {
+      for (std::int32_t x = blocks.first[0]; x <= blocks.last[0]; ++x) {
+        if (test(static_cast<std::uint32_t>(x), static_cast<std::uint32_t>(y), static_cast<std::uint32_t>(z)))
+          return true;
+      }
+    }
+  }
+  return false;
+}
+
+/// All blocks nearer to a range than the least distance in it are empty.
+HWY_INLINE bool grow_by_distance(const Scene& scene, BlockRange& blocks) {
+  std::uint32_t distance = 255;
+  const bool occupied = any_of(blocks, [&](std::uint32_t x, std::uint32_t y, std::uint32_t z) {
+    const std::uint32_t word = scene.skip_words[(x >> 2) + y * scene.skip.map[0] + z * scene.skip.map[1]];
+    distance = std::min(distance, word >> (8 * (x & 3)) & 255u);
+    return distance == 0;
+  });
+  for (int axis = 0; axis < 3; ++axis) {
+    blocks.first[axis] -= static_cast<std::int32_t>(distance) - 1;
+    blocks.last[axis] += static_cast<std::int32_t>(distance) - 1;
+  }
+  return !occupied;
+}
+
+/// As far as all nodes around a range are empty, level by level.
+inline bool grow_by_octree(const Scene& scene, BlockRange& blocks) {
+  const std::uint32_t words = scene.skip.octree[1];
+  BlockRange nodes = blocks;
+  for (std::uint32_t level = 0; level < scene.skip.octree[0]; ++level) {
+    const std::uint32_t(&along)[4] = scene.skip.level[level];
+    const bool occupied = any_of(nodes, [&](std::uint32_t x, std::uint32_t y, std::uint32_t z) {
+      const std::uint32_t* const node =
+          scene.skip_words + along[3] + ((z * along[1] + y) * along[0] + x) * words;
+      std::uint32_t shown = 0;
+      for (std::uint32_t w = 0; w < words; ++w)
+        shown |= node[w] & scene.skip.visible[w >> 2][w & 3];
+      return shown != 0;
+    });
+    if (occupied) return level > 0;
+    for (int axis = 0; axis < 3; ++axis) {
+      blocks.first[axis] = nodes.first[axis] << level;
+      blocks.last[axis] = ((nodes.last[axis] + 1) << level) - 1;
+      nodes.first[axis] >>= 1;
+      nodes.last[axis] >>= 1;
+    }
+  }
+  return true;
+}
+
+/// Grows a range of blocks as far as the skip map says that nothing is visible. False where something may be.
+HWY_INLINE bool grow_empty(const Scene& scene, BlockRange& blocks) {
+  if (scene.skip_map == BRACE_SKIP_MAP_DISTANCES) return grow_by_distance(scene, blocks);
+  if (scene.skip_map == BRACE_SKIP_MAP_OCTREE) return grow_by_octree(scene, blocks);
+  return !any_of(blocks, [&](std::uint32_t x, std::uint32_t y, std::uint32_t z) {
+    const std::uint32_t word = scene.skip_words[(x >> 5) + y * scene.skip.plane[0] + z * scene.skip.plane[1]];
+    return (word >> (x & 31) & 1u) != 0;
+  });
+}
+
 /// Steps, for all rays of a beam: what a skip map says of them.
 struct BeamAhead {
   std::int32_t next;  // the first step that may show something, or that has to be asked about
@@ -60,6 +129,11 @@ class Beam {
     }
   }
 
+  /// Whether the rays are near enough to each other for one look into the skip map.
+  bool goes_together(const Scene& scene) const {
+    constexpr float blocks_max = 4.0f;  // measured: farther apart it no longer pays
+    return scene.skip_map == BRACE_SKIP_MAP_NONE || width_ < blocks_max * scene.skip.edge[0];
+  }
   /// The longest edge of any box_at().
   float width_voxels() const { return width_; }
   /// Steps that no ray is shorter than.
@@ -80,30 +154,22 @@ class Beam {
     return box;
   }
 
-  /// What a map of distances says from `step` on. width_voxels() is below a block's edge, so that the box
-  /// meets two blocks along an axis at most.
+  /// What the skip map says from `step` on.
   HWY_INLINE BeamAhead ask(const Scene& scene, std::int32_t step) const {
     const Box box = box_at(scene, step);
-    std::int32_t first[3], last[3];
+    BlockRange blocks;
     for (int axis = 0; axis < 3; ++axis) {
       const std::int32_t end = static_cast<std::int32_t>(scene.skip.blocks[axis]) - 1;
-      first[axis] = std::clamp(static_cast<std::int32_t>(box.corner[axis] * scene.skip.edge[1]), 0, end);
-      last[axis] = std::clamp(static_cast<std::int32_t>(box.corner[4 + axis] * scene.skip.edge[1]), 0, end);
+      blocks.first[axis] =
+          std::clamp(static_cast<std::int32_t>(box.corner[axis] * scene.skip.edge[1]), 0, end);
+      blocks.last[axis] =
+          std::clamp(static_cast<std::int32_t>(box.corner[4 + axis] * scene.skip.edge[1]), 0, end);
     }
-    std::uint32_t distance = 255;
-    for (const std::int32_t z : {first[2], last[2]}) {
-      for (const std::int32_t y : {first[1], last[1]}) {
-        distance = std::min(distance, distance_at(scene, first[0], y, z));
-        distance = std::min(distance, distance_at(scene, last[0], y, z));
-      }
-    }
-    if (distance == 0) return {step + occupied_steps, true};
-    // All blocks nearer than that to any of the box's own are empty.
-    const std::int32_t around = static_cast<std::int32_t>(distance) - 1;
+    if (!grow_empty(scene, blocks)) return {step + occupied_steps, true};
     float leaves = never;
     for (int axis = 0; axis < 3; ++axis) {
-      const float below = static_cast<float>(first[axis] - around) * scene.skip.edge[0];
-      const float above = static_cast<float>(last[axis] + 1 + around) * scene.skip.edge[0];
+      const float below = static_cast<float>(blocks.first[axis]) * scene.skip.edge[0];
+      const float above = static_cast<float>(blocks.last[axis] + 1) * scene.skip.edge[0];
       leaves = std::min(leaves, (below - entry_[axis]) * inverse_[axis] + stays_[axis]);
       leaves = std::min(leaves, (above - entry_[4 + axis]) * inverse_[4 + axis] + stays_[4 + axis]);
     }
@@ -120,14 +186,6 @@ class Beam {
   void moves_out(int corner, bool does) {
     inverse_[corner] = does ? 1.0f / direction_[corner] : 0.0f;
     stays_[corner] = does ? 0.0f : never;
-  }
-
-  static HWY_INLINE std::uint32_t distance_at(const Scene& scene, std::int32_t x, std::int32_t y,
-                                              std::int32_t z) {
-    const auto block = static_cast<std::uint32_t>(x);
-    const std::uint32_t row =
-        static_cast<std::uint32_t>(y) * scene.skip.map[0] + static_cast<std::uint32_t>(z) * scene.skip.map[1];
-    return scene.skip_words[row + (block >> 2)] >> (8 * (block & 3)) & 255u;
   }
 
   // As in Box: of the least and the largest of all rays.

@@ -62,8 +62,7 @@ class Traversal {
 
   HWY_INLINE void go(const Scene& scene, const EmptyBytes& empty, brace_work_counts& counts) {
     const Beam beam(scene, rays_, active_, segments_);
-    if (scene.skip_map == BRACE_SKIP_MAP_NONE ||
-        (scene.skip_map == BRACE_SKIP_MAP_DISTANCES && beam.width_voxels() < scene.skip.edge[0])) {
+    if (beam.goes_together(scene)) {
       go_together(scene, beam, empty, counts);
     } else {
       go_apart(scene, empty, counts);
@@ -90,7 +89,7 @@ class Traversal {
                               brace_work_counts& counts) {
     const bool asks = scene.skip_map != BRACE_SKIP_MAP_NONE;
     std::int32_t step = 0, ask_from = 0;
-    Met before;
+    Met before{};
     before.shown = no_lane();
     const auto stand_at = [&](std::int32_t at) {
       step = at;

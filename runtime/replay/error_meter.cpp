@@ -1,6 +1,5 @@
 #include "runtime/replay/error_meter.hpp"
 
-#include <algorithm>
 
 #include <fmt/format.h>
 
@@ -33,7 +32,7 @@ std::string key_of(const IdealPicture& ideal, const ShowRequest& request) {
 
 ErrorMeter::ErrorMeter(Inputs inputs)
     : in_(std::move(inputs)),
-      batch_size_(in_.alone ? 1 : std::max(kVsyncsAtATime, in_.ideal->batch_size())),
+      vsyncs_at_a_time_(in_.alone ? 1 : kVsyncsAtATime),
       visible_{visible_pixels(in_.headset, sim::Eye::left), visible_pixels(in_.headset, sim::Eye::right)},
       gaze_weights_(in_.headset) {}
 
@@ -47,7 +46,7 @@ ErrorMeter::~ErrorMeter() noexcept {
 
 void ErrorMeter::add(const ShowRequest& request, std::shared_ptr<const PanelPair> shown) {
   waiting_.push_back({request, std::move(shown), nullptr, key_of(*in_.ideal, request)});
-  if (waiting_.size() >= batch_size_) measure();
+  if (waiting_.size() >= vsyncs_at_a_time_) measure();
 }
 
 void ErrorMeter::finish() {
@@ -61,41 +60,23 @@ void ErrorMeter::measure() {
 }
 
 void ErrorMeter::find_ideals() {
-  std::vector<Waiting*> lacking;
+  const std::int64_t version_before = in_.ideal->scene().transfer_version;
   for (Waiting& one : waiting_) {
     one.ideal = in_.cache.find(one.key);
-    if (!one.ideal) lacking.push_back(&one);
-  }
-  reused_ += static_cast<std::int64_t>(waiting_.size() - lacking.size());
-  make_ideals(lacking);
-}
-
-/// Those of the same version of the transfer function and different poses together.
-void ErrorMeter::make_ideals(std::vector<Waiting*>& lacking) {
-  const std::int64_t version_before = in_.ideal->scene().transfer_version;
-  for (auto first = lacking.begin(); first != lacking.end();) {
-    const std::int64_t version = (*first)->request.transfer_version;
-    std::vector<TruePose> heads;
-    std::vector<std::string> keys;
-    auto last = first;
-    for (; last != lacking.end() && (*last)->request.transfer_version == version; ++last) {
-      if (std::find(keys.begin(), keys.end(), (*last)->key) != keys.end()) continue;
-      keys.push_back((*last)->key);
-      heads.push_back({(*last)->request.true_world_from_head, (*last)->request.true_scan});
+    if (!one.ideal) {
+      for (const Waiting& other : waiting_) {
+        if (other.ideal && other.key == one.key) one.ideal = other.ideal;
+      }
     }
-    show_version(version);
-    std::vector<PanelPair> pictures = in_.ideal->show(heads);
-    std::vector<std::shared_ptr<const PanelPair>> shared;
-    for (std::size_t i = 0; i < keys.size(); ++i) {
-      shared.push_back(std::make_shared<const PanelPair>(std::move(pictures[i])));
-      in_.cache.keep(keys[i], shared.back());
+    if (one.ideal) {
+      ++reused_;
+      continue;
     }
-    for (auto one = first; one != last; ++one)
-      (*one)->ideal =
-          shared[static_cast<std::size_t>(std::find(keys.begin(), keys.end(), (*one)->key) - keys.begin())];
-    made_ += static_cast<std::int64_t>(keys.size());
-    reused_ += last - first - static_cast<std::int64_t>(keys.size());
-    first = last;
+    show_version(one.request.transfer_version);
+    one.ideal = std::make_shared<const PanelPair>(
+        in_.ideal->show({one.request.true_world_from_head, one.request.true_scan}));
+    in_.cache.keep(one.key, one.ideal);
+    ++made_;
   }
   if (!in_.ideal->has_own_scene()) show_version(version_before);  // what is cast next still shows it
 }

@@ -18,8 +18,8 @@
 
 namespace brace {
 
-/// Error of what the panels show against ideal pictures, some vsyncs at a time: ideal pictures in few
-/// submissions, each made once, and comparisons by other threads while the caller goes on.
+/// Error of what the panels show against ideal pictures, some vsyncs at a time: each ideal picture is made
+/// once, and comparisons are made by other threads while the caller goes on.
 class ErrorMeter {
  public:
   /// Everything referred to must outlive it.
@@ -63,12 +63,11 @@ class ErrorMeter {
   };
   void measure();
   void find_ideals();
-  void make_ideals(std::vector<Waiting*>& lacking);
   void show_version(std::int64_t version);
   void compare();
 
   Inputs in_;
-  std::size_t batch_size_;
+  std::size_t vsyncs_at_a_time_;
   std::array<std::vector<std::uint8_t>, 2> visible_;
   GazeWeights gaze_weights_;
   std::vector<Waiting> waiting_, compared_;  // the latter by the tasks

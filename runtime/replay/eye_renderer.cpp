@@ -287,85 +287,6 @@ SimDuration EyeRenderer::close(const EyeCast& eye, const CastArea& image) {
   return submit_step("closing", [&] { pipeline_.record_closing(commands_, eye.resources, image); });
 }
 
-bool EyeRenderer::casts_frames_on_host() const {
-  return native_cast_ && (*native_cast_)->casts_on_host() && !native_rays_ && !native_stereo_ && !mab_ &&
-         !makes_layers_ && !single_pass_ && !keeps_first_hits_ && watchdog_ == nullptr;
-}
-
-/// Each eye with rays of its own.
-template <class Visit>
-void EyeRenderer::for_each_eye(std::span<const Frame> frames, const Visit& visit) {
-  std::size_t number = 0;
-  for (const Frame& frame : frames) {
-    for (const sim::Eye eye : sim::all_eyes) {
-      const EyeTarget& target = frame.into[static_cast<std::size_t>(eye)];
-      if (number > more_rays_.size())
-        more_rays_.emplace_back(device_, own_rays_.across, own_rays_.down, guard_bytes(session_));
-      const RayBuffers& rays = number == 0 ? own_rays_ : more_rays_[number - 1];
-      visit(eye, eye_view(headset_, eye, frame.world_from_head), resources_of(eye, target, rays));
-      ++number;
-    }
-  }
-}
-
-JobOutcome EyeRenderer::render_with_host_braces(std::span<const Frame> frames) {
-  const CastArea all{0, 0, own_rays_.across, own_rays_.down};
-  JobOutcome outcome;
-  for (const Frame& frame : frames) {
-    for (const sim::Eye eye : sim::all_eyes) {
-      const EyeTarget& target = frame.into[static_cast<std::size_t>(eye)];
-      const EyeView view = eye_view(headset_, eye, frame.world_from_head);
-      set_eye(eye, view, target);
-      const CastPipeline::Resources resources = resources_of(eye, target, own_rays_);
-      const EyeCast one = eye_cast(eye, view, resources);
-      outcome.device_time += open(one, all);
-      outcome.device_time += cast_on_host(one, all, host_rays_, outcome.work, commands_);
-      outcome.device_time += close(one, all);
-    }
-    ++frame_;
-  }
-  return outcome;
-}
-
-JobOutcome EyeRenderer::render_on_host(std::span<const Frame> frames) {
-  const CastArea all{0, 0, own_rays_.across, own_rays_.down};
-  JobOutcome outcome;
-  outcome.device_time += submit_step("opening", [&] {
-    for_each_eye(frames, [&](sim::Eye eye, const EyeView& view, const CastPipeline::Resources& resources) {
-      set_eye(eye, view, resources.target);
-      pipeline_.record_opening(commands_, resources, all);
-    });
-  });
-  for_each_eye(frames, [&](sim::Eye eye, const EyeView& view, const CastPipeline::Resources& resources) {
-    outcome.device_time +=
-        cast_on_host(eye_cast(eye, view, resources), all, host_rays_, outcome.work, commands_);
-    if (eye == sim::Eye::right) ++frame_;
-  });
-  outcome.device_time += submit_step("closing", [&] {
-    for_each_eye(frames, [&](sim::Eye, const EyeView&, const CastPipeline::Resources& resources) {
-      pipeline_.record_closing(commands_, resources, all);
-    });
-  });
-  return outcome;
-}
-
-JobOutcome EyeRenderer::render_each(std::span<const Frame> frames) {
-  if (frames.empty()) return {};
-  if (casts_frames_on_host()) {
-    const CastPipeline::Resources first = resources_of(sim::Eye::left, frames.front().into[0], own_rays_);
-    const EyeView view = eye_view(headset_, sim::Eye::left, frames.front().world_from_head);
-    return has_host_braces(eye_cast(sim::Eye::left, view, first)) ? render_with_host_braces(frames)
-                                                                  : render_on_host(frames);
-  }
-  JobOutcome outcome;
-  for (const Frame& frame : frames) {
-    const JobOutcome one = render(frame.world_from_head, frame.into);
-    outcome.work += one.work;
-    outcome.device_time += one.device_time;
-  }
-  return outcome;
-}
-
 JobOutcome EyeRenderer::render_by_line(const ScanPoses& world_from_head, const EyePair& into) {
   if (!scan_line_rays_) scan_line_rays_.emplace(device_, headset_);
   for (const sim::Eye eye : sim::all_eyes)
@@ -386,12 +307,6 @@ JobOutcome EyeRenderer::render(const Pose& world_from_head, const EyePair& into,
   }
   if (mab_) mab_->set_quality(quality);
   if (counting_ == Counting::on) pipeline_.reset_counters(device_);
-  if (casts_frames_on_host()) {
-    const std::array<Frame, 1> frame = {{{world_from_head, into}}};
-    const JobOutcome outcome = render_on_host(frame);
-    step_times_ = {.cast = outcome.device_time};
-    return outcome;
-  }
   if (native_rays_ || native_cast_ || native_stereo_ || watchdog_ != nullptr) {
     const JobOutcome outcome = render_by_steps(world_from_head, into);
     step_times_ = {.cast = outcome.device_time};

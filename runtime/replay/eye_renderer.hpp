@@ -55,16 +55,6 @@ class EyeRenderer {
   /// `quality`: the share of the rays that load control asks for; only rays/mab can cast fewer.
   JobOutcome render(const Pose& world_from_head, const EyePair& into, double quality = 1.0);
 
-  /// A head pose and where its eyes go.
-  struct Frame {
-    const Pose& world_from_head;
-    const EyePair& into;
-  };
-  /// Several at full quality. Where casts_frames_on_host() they share their submissions: one for all opening
-  /// braces, one for all closing ones; then each takes memory for the rays of both its eyes.
-  JobOutcome render_each(std::span<const Frame> frames);
-  bool casts_frames_on_host() const;
-
   /// Device time of the last render(), both eyes. All of it is `cast` where its steps are not told apart:
   /// native stages, a watchdog, one pass for both eyes.
   struct StepTimes {
@@ -113,10 +103,6 @@ class EyeRenderer {
   void set_eye(sim::Eye eye, const EyeView& view, const EyeTarget& target);
   void keep_first_hits(gpu::CommandList& commands, sim::Eye eye, const EyeTarget& target);
   CastPipeline::Resources resources_of(sim::Eye eye, const EyeTarget& target, const RayBuffers& rays);
-  template <class Visit>
-  void for_each_eye(std::span<const Frame> frames, const Visit& visit);
-  JobOutcome render_on_host(std::span<const Frame> frames);
-  JobOutcome render_with_host_braces(std::span<const Frame> frames);
   /// The braces of rays that cast_on_host() casts, on the host where they may work there.
   SimDuration open(const EyeCast& eye, const CastArea& rays);
   SimDuration close(const EyeCast& eye, const CastArea& image);
@@ -137,10 +123,9 @@ class EyeRenderer {
   Counting counting_;
   bool makes_layers_;
   CastPipeline pipeline_;
-  std::unique_ptr<MabBraces> mab_;    // null unless the session's rays are rays/mab's
-  RayBuffers own_rays_;               // empty with mab_
-  bool full_rate_ = false;  // rays/full_rate
-  std::deque<RayBuffers> more_rays_;  // of render_on_host: every eye's but the first
+  std::unique_ptr<MabBraces> mab_;  // null unless the session's rays are rays/mab's
+  RayBuffers own_rays_;             // empty with mab_
+  bool full_rate_ = false;          // rays/full_rate
   std::vector<gpu::Binding> bindings_;
   std::vector<CellOutcome> cells_;  // of the last render_cells
   StepTimes step_times_;

@@ -1,6 +1,5 @@
 #include "runtime/replay/ideal_picture.hpp"
 
-#include <algorithm>
 
 #include <fmt/format.h>
 
@@ -12,9 +11,6 @@
 namespace brace {
 
 namespace {
-
-constexpr std::uint64_t kBatchBytesMax = 256u << 20;
-constexpr std::size_t kBatchMax = 8;
 
 [[noreturn]] void refuse_native(const Session& session, const std::string& why) {
   throw input_error("{}: output.ideal_cast = 'native': {}; accepted: 'session'", session.file.string(), why);
@@ -65,18 +61,6 @@ std::unique_ptr<SceneOnDevice> scene_of_ideal(const gpu::Device& device, const S
   return load_scene(device, session, options, headset, placement, &scene);
 }
 
-/// Rays, eye pictures and what is kept beside them, of both eyes.
-std::uint64_t bytes_of_batched_head(const Headset& headset) {
-  constexpr std::uint64_t ray_bytes = 52, pixel_bytes = 12;
-  return 2 * static_cast<std::uint64_t>(headset.eye.width_px) *
-         static_cast<std::uint64_t>(headset.eye.height_px) * (ray_bytes + pixel_bytes);
-}
-
-std::size_t batch_size_of(const EyeRenderer& renderer, const Session& session, const Headset& headset) {
-  if (session.output.ideal_by_line || !renderer.casts_frames_on_host()) return 1;
-  return std::clamp<std::size_t>(kBatchBytesMax / bytes_of_batched_head(headset), 1, kBatchMax);
-}
-
 std::string stage_text(const PipelineStage& stage) {
   return fmt::format("{} {} [{}]\n", stage.stage.id(), stage.stage.version, fmt::join(stage.values, ", "));
 }
@@ -106,33 +90,18 @@ IdealPicture::IdealPicture(const gpu::Device& device, const Session& session, co
       renderer_(device, session_, headset, scene_, placement, options.data_folder, EyeRenderer::Counting::off,
                 nullptr, EyeRenderer::SecondEye::ray_cast),
       display_(device, headset, options.no_warp, options.data_folder),
-      batch_size_(batch_size_of(renderer_, session_, headset)),
+      eyes_(make_eye_pair(device, headset.eye)),
       identity_(identity_of(session_, headset, scene_, placement)) {}
 
-void IdealPicture::show_batch(std::span<const TruePose> heads, std::vector<PanelPair>& pictures) {
-  std::vector<EyeRenderer::Frame> frames;
-  for (std::size_t i = 0; i < heads.size(); ++i) {
-    if (i == eyes_.size()) eyes_.push_back(make_eye_pair(device_, headset_.eye));
-    frames.push_back({heads[i].world_from_head, eyes_[i]});
-  }
+PanelPair IdealPicture::show(const TruePose& head) {
   if (session_.output.ideal_by_line) {
-    const Pose& middle = heads.front().world_from_head;
-    renderer_.render_by_line(heads.front().scan.value_or(ScanPoses{middle, middle}), eyes_.front());
+    renderer_.render_by_line(head.scan.value_or(ScanPoses{head.world_from_head, head.world_from_head}),
+                             eyes_);
   } else {
-    renderer_.render_each(frames);
+    renderer_.render(head.world_from_head, eyes_);
   }
-  for (const EyeRenderer::Frame& frame : frames) {
-    display_.show({frame.into, frame.world_from_head, frame.world_from_head});
-    pictures.push_back(display_.read());
-  }
-}
-
-std::vector<PanelPair> IdealPicture::show(std::span<const TruePose> heads) {
-  std::vector<PanelPair> pictures;
-  pictures.reserve(heads.size());
-  for (std::size_t first = 0; first < heads.size(); first += batch_size_)
-    show_batch(heads.subspan(first, std::min(batch_size_, heads.size() - first)), pictures);
-  return pictures;
+  display_.show({eyes_, head.world_from_head, head.world_from_head});
+  return display_.read();
 }
 
 }  // namespace brace

@@ -1,11 +1,8 @@
 #pragma once
 
-#include <deque>
 #include <memory>
 #include <optional>
-#include <span>
 #include <string>
-#include <vector>
 
 #include "runtime/replay/panel_display.hpp"
 #include "runtime/replay/scene.hpp"
@@ -29,14 +26,9 @@ class IdealPicture {
   IdealPicture(const gpu::Device& device, const Session& session, const Headset& headset,
                SceneOnDevice& scene, const VolumePlacement& placement, const ReplayOptions& options);
 
-  /// What the panels would show heads at these poses; with output.ideal_pose = "lines" ones that move between
+  /// What the panels would show a head at this pose; with output.ideal_pose = "lines" one that moves between
   /// those of the scan-out's first and last line.
-  std::vector<PanelPair> show(std::span<const TruePose> heads);
-  PanelPair show(const TruePose& head) { return std::move(show({&head, 1}).front()); }
-
-  /// As many heads as share their submissions, in at most 256 MiB of device memory; 1 where that gains
-  /// nothing.
-  std::size_t batch_size() const { return batch_size_; }
+  PanelPair show(const TruePose& head);
 
   /// What the pictures depend on beside the heads' poses and the transfer function's version.
   const std::string& identity() const { return identity_; }
@@ -47,8 +39,6 @@ class IdealPicture {
   void transfer_changed() { renderer_.transfer_changed(); }
 
  private:
-  void show_batch(std::span<const TruePose> heads, std::vector<PanelPair>& pictures);
-
   const gpu::Device& device_;
   const Headset& headset_;
   Session session_;
@@ -56,8 +46,7 @@ class IdealPicture {
   SceneOnDevice& scene_;
   EyeRenderer renderer_;
   PanelDisplay display_;
-  std::size_t batch_size_;
-  std::deque<EyePair> eyes_;  // of a batch's heads; renderers refer to them
+  EyePair eyes_;
   std::string identity_;
 };
 
