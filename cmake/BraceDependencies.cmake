@@ -16,3 +16,11 @@ if(BRACE_BUILD_TESTS)
   find_package(GTest REQUIRED)
   include(GoogleTest)
 endif()
+
+# Highway: further variants of SSE and AVX-512 would only be compiled, never chosen; vectors of SVE have no size that
+# a struct could hold. Its NEON takes a processor with AES, which GCC has to know from the start.
+set(BRACE_HWY_DISABLED_TARGETS "(HWY_SSSE3|HWY_AVX3_DL|HWY_SVE|HWY_SVE2|HWY_SVE_256|HWY_SVE2_128)")
+set(BRACE_HWY_OPTIONS)
+if(CMAKE_SYSTEM_PROCESSOR MATCHES "aarch64|arm64")
+  set(BRACE_HWY_OPTIONS -march=armv8-a+crypto)
+endif()

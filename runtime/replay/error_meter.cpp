@@ -1,5 +1,6 @@
 #include "runtime/replay/error_meter.hpp"
 
+#include <algorithm>
 
 #include <fmt/format.h>
 
@@ -61,14 +62,14 @@ void ErrorMeter::measure() {
 
 void ErrorMeter::find_ideals() {
   const std::int64_t version_before = in_.ideal->scene().transfer_version;
-  for (Waiting& one : waiting_) {
+  for (Waiting& one : waiting_)  // before new pictures drive out old ones
     one.ideal = in_.cache.find(one.key);
-    if (!one.ideal) {
-      for (const Waiting& other : waiting_) {
-        if (other.ideal && other.key == one.key) one.ideal = other.ideal;
-      }
-    }
-    if (one.ideal) {
+  for (Waiting& one : waiting_) {
+    const auto same = std::find_if(waiting_.begin(), waiting_.end(), [&](const Waiting& other) {
+      return other.ideal != nullptr && other.key == one.key;
+    });
+    if (same != waiting_.end()) {
+      one.ideal = same->ideal;
       ++reused_;
       continue;
     }
