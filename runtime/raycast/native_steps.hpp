@@ -59,7 +59,8 @@ brace_cast_frame cast_frame(const EyeCast& eye, VkCommandBuffer_T* commands, con
 SimDuration execute_cast(const EyeCast& eye, const CastArea& area, HostRays& host, WorkCounts& counted,
                          const brace_segment_sink* segments = nullptr);
 
-/// Whether the braces work on the host: the cast does, the rays are full_rate's, and the device maps the buffers.
+/// Whether the braces work on the host: the cast does, the rays are full_rate's, and the device maps the
+/// buffers.
 bool has_host_braces(const EyeCast& eye);
 
 /// The same, and what wants segments has been told of them; `commands` are used up where there are any.

@@ -1,6 +1,5 @@
 #include "runtime/replay/ideal_picture.hpp"
 
-
 #include <fmt/format.h>
 
 #include "base/error.hpp"
