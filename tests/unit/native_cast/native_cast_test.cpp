@@ -81,7 +81,7 @@ TEST(NativeCast, SkippingSideBySideChangesNoBit) {
     const TestVolume volume = random_volume(sizes[round % sizes.size()], type, random, 0.9995);
     const double spacing = std::array{0.02, 0.3, 0.6, 1.3, 3.0}[random() % 5];
     const double away = std::array{1.0, 20.0, 200.0}[random() % 3];  // 1: an eye in the volume
-    const TestRays rays = camera_rays(37, 22, volume, away, spacing, random);
+    const TestRays rays = camera_rays(21, 14, volume, away, spacing, random);
     const Blocks blocks(volume, transfer.visible_above);
     Caster reference(REFERENCE_CAST, "reference", volume, transfer);
     const Picture oracle = reference.cast(rays);
@@ -99,7 +99,7 @@ TEST(NativeCast, SkippingSideBySideChangesNoBit) {
       }
     }
   }
-  EXPECT_GT(skipped, 500'000u);
+  EXPECT_GT(skipped, 100'000u);
 }
 
 TEST(NativeCast, OneLookIntoTheMapServesAPacket) {
