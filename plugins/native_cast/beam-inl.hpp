@@ -113,7 +113,8 @@ class Beam {
     const Float entry[3] = {rays.entry.x, rays.entry.y, rays.entry.z};
     const Float direction[3] = {rays.direction.x, rays.direction.y, rays.direction.z};
     const float length = largest(rays.extent);
-    whole_ = static_cast<std::int32_t>(least(segments));
+    whole_ = static_cast<std::int32_t>(std::min(least(segments), steps_max));
+    const float margin = margin_voxels(scene);
     width_ = 0.0f;
     for (int axis = 0; axis < 3; ++axis) {
       const int low = axis, high = 4 + axis;
@@ -124,8 +125,8 @@ class Beam {
       const float spread = (direction_[high] - direction_[low]) * length;
       width_ = std::max(width_, entry_[high] - entry_[low] + spread);
       if (scene.skip_map == BRACE_SKIP_MAP_NONE) continue;
-      moves_out(low, direction_[low] < -1e-6f);
-      moves_out(high, direction_[high] > 1e-6f);
+      moves_out(low, direction_[low] < -1e-12f);
+      moves_out(high, direction_[high] > 1e-12f);
     }
   }
 
@@ -173,14 +174,20 @@ class Beam {
       leaves = std::min(leaves, (below - entry_[axis]) * inverse_[axis] + stays_[axis]);
       leaves = std::min(leaves, (above - entry_[4 + axis]) * inverse_[4 + axis] + stays_[4 + axis]);
     }
-    const float steps = std::min(leaves * (1.0f / scene.step_units) + 0.5f, 1048576.0f);
+    const float steps = std::min(leaves * (1.0f / scene.step_units) + 0.5f, steps_max);
     return {std::max(step + 1, static_cast<std::int32_t>(steps)), false};
   }
 
  private:
-  static constexpr float margin = 1.0f / 256.0f;  // voxels
+  static constexpr float steps_max = 1048576.0f;
   static constexpr float never = 1e9f;
   static constexpr std::int32_t occupied_steps = 2;
+
+  /// What rounding may move a point by, and more.
+  static float margin_voxels(const Scene& scene) {
+    const float* const dims = scene.eye.volume_dims;
+    return std::max(1.0f / 256.0f, std::max({dims[0], dims[1], dims[2]}) * 0x1p-20f);
+  }
 
   /// How a face of the box meets a face before it, if it moves outwards.
   void moves_out(int corner, bool does) {
