@@ -36,7 +36,7 @@ struct Axis {
 
 /// Rays of one row of cells from `x` on, a vector of them: brace_ray_through.
 HWY_INLINE void open_vector(const BraceEyeParams& eye, float x, float y, float* entries, float* directions) {
-  const Float px = hn::Add(hn::Iota(Floats(), x - eye.ray_base[3] + 0.5f), hn::Zero(Floats()));
+  const Float px = hn::Iota(Floats(), x - eye.ray_base[3] + 0.5f);
   const Float py = all(y - eye.ray_dx[3] + 0.5f);
   Float to[3];
   Float size = hn::Zero(Floats());

@@ -209,7 +209,7 @@ EyeCastOutcome EyeRenderer::cast_eye_by_steps(sim::Eye eye, const Pose& world_fr
                                      .eye = static_cast<std::uint32_t>(eye),
                                      .frame = frame_,
                                      .rays = native_rays_ ? &**native_rays_ : nullptr,
-                                     .full_rate = full_rate_,
+                                     .full_rate = full_rate_ && !scan_line_rays_,
                                      .cast = native_cast_ ? &**native_cast_ : nullptr,
                                      .watchdog = watchdog_,
                                      .rays_id = &rays_id,
@@ -272,7 +272,7 @@ EyeCast EyeRenderer::eye_cast(sim::Eye eye, const EyeView& view, const CastPipel
           .view = view,
           .eye = static_cast<std::uint32_t>(eye),
           .frame = frame_,
-          .full_rate = full_rate_,
+          .full_rate = full_rate_ && !scan_line_rays_,
           .cast = native_cast_ ? &**native_cast_ : nullptr,
           .segments = segments()};
 }

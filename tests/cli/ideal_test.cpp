@@ -1,6 +1,7 @@
 // Ideal pictures: made in batches and once, by the raycaster that is asked for; the errors are those of one
 // vsync at a time.
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 
 #include <gmock/gmock.h>
@@ -117,6 +118,23 @@ TEST_F(Ideal, NativeIsAsGoodAReference) {
   run("same", {"output.ideal_cast=native", "pipeline.cast=native"});
   run("own", {"pipeline.cast=native"});
   EXPECT_EQ(place_.read("same/frames.csv"), place_.read("own/frames.csv"));
+}
+
+TEST_F(Ideal, NativeFollowsTheLinesOfTheScanOut) {
+  run("dvr", {"output.ideal_pose=lines"});
+  run("native", {"output.ideal_pose=lines", "output.ideal_cast=native"});
+  run("middle", {});
+  double apart = 0.0;
+  for (const char* name : figures) {
+    const std::vector<double> dvr = column("dvr/frames.csv", name),
+                              native = column("native/frames.csv", name),
+                              middle = column("middle/frames.csv", name);
+    for (std::size_t vsync = 1; vsync < dvr.size(); ++vsync) {
+      EXPECT_NEAR(dvr[vsync], native[vsync], 2e-3) << name << " " << vsync;
+      apart = std::max(apart, std::abs(dvr[vsync] - middle[vsync]));
+    }
+  }
+  EXPECT_GT(apart, 1e-4) << "the pose moves from line to line";
 }
 
 TEST_F(Ideal, NativeIsRefusedByNameWhereItCannotStandForTheSessions) {
