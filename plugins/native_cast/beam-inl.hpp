@@ -99,6 +99,8 @@ struct BeamAhead {
   bool occupied;
 };
 
+/// A packet's rays: from the least to the largest of their entries and directions. Rays without a length do
+/// not count.
 class Beam {
  public:
   HWY_INLINE Beam(const Scene& scene, const Packet& rays, Mask active, Float segments) {

@@ -38,7 +38,7 @@ HWY_INLINE Int all_int(std::int32_t value) {
 HWY_INLINE Float to_float(Int value) {
   return hn::ConvertTo(Floats(), value);
 }
-/// Towards zero. Anything for what an int cannot hold: no sense of that is asked, other than by ConvertTo.
+/// Towards zero. What an int cannot hold becomes anything, without the care that ConvertTo takes of it.
 HWY_INLINE Int to_int(Float value) {
 #if HWY_TARGET == HWY_AVX3
   return Int{_mm512_cvttps_epi32(value.raw)};

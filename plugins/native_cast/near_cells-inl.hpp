@@ -19,7 +19,7 @@ namespace HWY_NAMESPACE {
 
 /// Whether cells of a type can be fetched so: a vector holds a slice of a tile.
 template <brace_voxel_type type>
-constexpr bool has_near_cells = type == BRACE_VOXEL_UINT8&& HWY_TARGET == HWY_AVX3;
+constexpr bool has_near_cells = (type == BRACE_VOXEL_UINT8) && (HWY_TARGET == HWY_AVX3);
 
 /// The widest box of points whose cells lie in two tiles and five slices at most.
 constexpr float near_voxels = 4.0f;
