@@ -38,21 +38,22 @@ endfunction()
 # brace_test(NAME LABEL LIBRARIES SOURCES…): a GoogleTest program; LABEL is unit, gpu, cli, …
 # CTest runs a program as one test: under the sanitizers a start costs more than most tests do. Those of the command
 # are long and independent of each other: CTest runs them one by one.
-# Leaks are looked for in unit tests alone: the software driver keeps 128 bytes of libxml2 until the end.
+# Leaks are looked for in unit tests alone: the software driver keeps 128 bytes of libxml2 until the end. Where it runs,
+# freed memory is kept aside up to 16 MB (256 by default), which saves a tenth of a short run.
 function(brace_test name)
   cmake_parse_arguments(arg "" "LABEL" "LIBRARIES;SOURCES" ${ARGN})
   add_executable(${name} ${arg_SOURCES})
   target_link_libraries(${name} PRIVATE brace_options ${arg_LIBRARIES} GTest::gmock GTest::gtest_main)
   set_target_properties(${name} PROPERTIES RUNTIME_OUTPUT_DIRECTORY ${PROJECT_BINARY_DIR}/tests)
-  set(leaks "ASAN_OPTIONS=detect_leaks=0")
+  set(options "ASAN_OPTIONS=detect_leaks=0:quarantine_size_mb=16")
   if(arg_LABEL STREQUAL "unit")
-    set(leaks "ASAN_OPTIONS=detect_leaks=1")
+    set(options "ASAN_OPTIONS=detect_leaks=1")
   endif()
   if(arg_LABEL STREQUAL "cli")
     gtest_discover_tests(${name} DISCOVERY_MODE PRE_TEST
-      PROPERTIES LABELS ${arg_LABEL} TIMEOUT 300 ENVIRONMENT "${leaks}")
+      PROPERTIES LABELS ${arg_LABEL} TIMEOUT 300 ENVIRONMENT "${options}")
   else()
     add_test(NAME ${name} COMMAND ${name} --gtest_brief=1)
-    set_tests_properties(${name} PROPERTIES LABELS ${arg_LABEL} TIMEOUT 600 ENVIRONMENT "${leaks}")
+    set_tests_properties(${name} PROPERTIES LABELS ${arg_LABEL} TIMEOUT 600 ENVIRONMENT "${options}")
   endif()
 endfunction()

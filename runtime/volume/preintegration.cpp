@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <ranges>
+#include <span>
 
 #include "base/error.hpp"
 
@@ -37,35 +39,61 @@ Sums sum(Sums a, const Sums& b) {
   return a;
 }
 
-/// A step as a row of pieces, each with its own mean depth and mean colour.
-std::array<float, 4> segment(const TransferIntegrals& integrals, const TransferTable& table,
-                             double step_units, double front, double back) {
-  constexpr int pieces_max = 32;
-  const int pieces = std::clamp(static_cast<int>(std::ceil(std::abs(back - front))), 2, pieces_max);
+/// A piece of a step with a mean depth and a mean colour of its own.
+struct Piece {
+  double taken;  // share of the light that it takes away, 1 - 2^-depth
+  double depth;
+  std::array<double, 3> colour;
+};
+
+constexpr int pieces_max = 32;
+
+/// A step whose coordinate stays where it is.
+Piece still_piece(const TransferTable& table, double step_units, double u) {
+  const double range = table.range.max - table.range.min;
+  const TransferSample sample =
+      lookup(table, table.range.min + range * u / static_cast<double>(table.entries.size() - 1));
+  const double depth = std::min(sample.kappa * step_units * std::numbers::log2e, integral_depth_max);
+  return {-std::expm1(-depth * std::numbers::ln2), depth, {sample.r, sample.g, sample.b}};
+}
+
+/// The pieces of a step from low to high, which are also those of the step back.
+std::size_t cut(const TransferIntegrals& integrals, const TransferTable& table, double step_units, double low,
+                double high, std::array<Piece, pieces_max>& pieces) {
+  if (low == high) {
+    pieces[0] = still_piece(table, step_units, low);
+    return 1;
+  }
+  const int count = std::clamp(static_cast<int>(std::ceil(high - low)), 2, pieces_max);
+  Sums before = integral_up_to(integrals, table, step_units, low);
+  for (int i = 0; i < count; ++i) {
+    const double u = std::lerp(low, high, static_cast<double>(i + 1) / count);
+    const Sums here = integral_up_to(integrals, table, step_units, u);
+    const double mass = here[3] - before[3];
+    Piece& piece = pieces[static_cast<std::size_t>(i)];
+    piece = {0.0, std::abs(mass) / (high - low), {}};
+    if (piece.depth > 0) {
+      piece.taken = -std::expm1(-piece.depth * std::numbers::ln2);
+      for (std::size_t c = 0; c < 3; ++c)
+        piece.colour[c] = std::clamp((here[c] - before[c]) / mass, 0.0, 1.0);
+    }
+    before = here;
+  }
+  return static_cast<std::size_t>(count);
+}
+
+/// What a row of pieces adds up to, the first of them in front.
+template <typename Pieces>
+std::array<float, 4> through(const Pieces& pieces) {
   std::array<double, 3> colour{};
   double depth = 0;
-  Sums before = integral_up_to(integrals, table, step_units, front);
-  for (int piece = 1; piece <= pieces; ++piece) {
-    const double u = std::lerp(front, back, static_cast<double>(piece) / pieces);
-    const Sums here = integral_up_to(integrals, table, step_units, u);
-    double w = std::abs(here[3] - before[3]);
-    std::array<double, 3> mean{};
-    if (w > 0) {
-      for (std::size_t c = 0; c < 3; ++c)
-        mean[c] = std::clamp((here[c] - before[c]) / (here[3] - before[3]), 0.0, 1.0);
-      w /= std::abs(back - front);
-    } else if (front == back) {
-      const TransferSample sample =
-          lookup(table, table.range.min + (table.range.max - table.range.min) * u /
-                                              static_cast<double>(table.entries.size() - 1));
-      mean = {sample.r, sample.g, sample.b};
-      w = std::min(sample.kappa * step_units * std::numbers::log2e, integral_depth_max) / pieces;
-    }
-    const double added = std::exp2(-depth) * -std::expm1(-w * std::numbers::ln2);
+  double transmittance = 1;
+  for (const Piece& piece : pieces) {
+    const double added = transmittance * piece.taken;
     for (std::size_t c = 0; c < 3; ++c)
-      colour[c] += added * mean[c];
-    depth += w;
-    before = here;
+      colour[c] += added * piece.colour[c];
+    transmittance -= added;
+    depth += piece.depth;
   }
   const double opacity = -std::expm1(-depth * std::numbers::ln2);
   return {static_cast<float>(colour[0]), static_cast<float>(colour[1]), static_cast<float>(colour[2]),
@@ -103,12 +131,17 @@ std::vector<std::array<float, 4>> preintegrated_segments(const TransferTable& ta
                                                          double step_units, int size) {
   BRACE_CHECK(size >= 2 && integrals.size() == table.entries.size());
   const double entries_per_node = static_cast<double>(table.entries.size() - 1) / (size - 1);
-  std::vector<std::array<float, 4>> segments;
-  segments.reserve(static_cast<std::size_t>(size) * static_cast<std::size_t>(size));
-  for (int back = 0; back < size; ++back)
-    for (int front = 0; front < size; ++front)
-      segments.push_back(
-          segment(integrals, table, step_units, front * entries_per_node, back * entries_per_node));
+  const auto edge = static_cast<std::size_t>(size);
+  std::vector<std::array<float, 4>> segments(edge * edge);
+  std::array<Piece, pieces_max> pieces;
+  for (std::size_t high = 0; high < edge; ++high)
+    for (std::size_t low = 0; low <= high; ++low) {
+      const std::size_t count = cut(integrals, table, step_units, static_cast<double>(low) * entries_per_node,
+                                    static_cast<double>(high) * entries_per_node, pieces);
+      const std::span row(pieces.data(), count);
+      segments[high * edge + low] = through(row);
+      segments[low * edge + high] = through(std::views::reverse(row));
+    }
   return segments;
 }
 
