@@ -56,7 +56,8 @@ void put(const gpu::Device& device, const char* name, gpu::Buffer& buffer, gpu::
 TransferOnDevice::TransferOnDevice(const gpu::Device& device, const TransferTable& table, double step_units,
                                    TransferExtras extras)
     : extras_(extras),
-      buffer_(device, "transfer table", std::uint64_t{max_table_entries} * 16, gpu::Memory::upload) {
+      buffer_(device, "transfer table", std::uint64_t{max_table_entries} * 16, gpu::Memory::device),
+      texels_(device, buffer_, gpu::Format::rgba32_float) {
   update(device, table, step_units);
 }
 

@@ -15,7 +15,7 @@ struct TransferExtras {
   bool segments = false;   // and in two
 };
 
-/// A transfer table in a uniform buffer, with a step length baked into it. The device must outlive it.
+/// A transfer table in a texel buffer, with a step length baked into it. The device must outlive it.
 class TransferOnDevice {
  public:
   TransferOnDevice() = default;
@@ -28,7 +28,7 @@ class TransferOnDevice {
   /// memory as long as the number of entries stays.
   void update(const gpu::Device& device, const TransferTable& table, double step_units);
 
-  gpu::Binding binding(std::uint32_t slot) const { return gpu::bind(slot, buffer_); }
+  gpu::Binding binding(std::uint32_t slot) const { return gpu::bind(slot, texels_); }
   /// Of the extras; without them a texel that no kernel asks for.
   gpu::Binding integrals_binding(std::uint32_t slot) const { return gpu::bind(slot, integral_texels_); }
   gpu::Binding segments_binding(std::uint32_t slot) const { return gpu::bind(slot, segment_texels_); }
@@ -42,7 +42,7 @@ class TransferOnDevice {
 
   TransferExtras extras_;
   gpu::Buffer buffer_, integrals_, segments_;
-  gpu::TexelBuffer integral_texels_, segment_texels_;
+  gpu::TexelBuffer texels_, integral_texels_, segment_texels_;
   float coordinate_scale_ = 1.0f;
   float coordinate_offset_ = 0.0f;
   float last_entry_ = 1.0f;

@@ -66,10 +66,11 @@ void brace_cast(BraceRay ray, inout BraceResult result) {
     const DvrSample here = dvr_sample(ray, segments, i);
     BRACE_COUNT_VISIT;
     const float coordinate = brace_transfer_coordinate(brace_value(here.cell));
-    const float x = here.part * brace_optical_depth(coordinate);
+    const vec4 shown = brace_transfer(coordinate);
+    const float x = here.part * shown.w;
     if (x > 0.0) {
       result.depth = min(result.depth, here.t);
-      const vec3 sample_colour = brace_shade(ray, here.voxel, brace_transfer_colour(coordinate));
+      const vec3 sample_colour = brace_shade(ray, here.voxel, shown.rgb);
       BRACE_COUNT(shading_fetches, BRACE_SHADE_FETCHES);
       brace_emit_segment(ray, float(i) * cast_step_voxels, (float(i) + here.part) * cast_step_voxels, sample_colour, x);
       depth += x;

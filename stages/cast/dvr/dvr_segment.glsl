@@ -34,7 +34,10 @@ struct DvrEnd {
   vec3 colour;
 };
 
-DvrEnd dvr_end(float coordinate) { return DvrEnd(brace_optical_depth(coordinate), brace_transfer_colour(coordinate)); }
+DvrEnd dvr_end(float coordinate) {
+  const vec4 shown = brace_transfer(coordinate);
+  return DvrEnd(shown.w, shown.rgb);
+}
 
 float dvr_segment_depth(DvrEnd front, DvrEnd back) { return 0.5 * (front.depth + back.depth); }
 

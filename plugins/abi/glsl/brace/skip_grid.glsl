@@ -10,10 +10,13 @@
 
 layout(set = 0, binding = BRACE_SLOT_SKIP_MAP) uniform usamplerBuffer brace_skip_words;
 layout(std140, set = 0, binding = BRACE_SLOT_SKIP_PARAMS) uniform BraceSkipBlock { BraceSkipParams brace_skip_params; };
+// Read once, as brace_eye is.
+vec4 brace_skip_edge = brace_skip_params.edge;
+ivec3 brace_skip_last = ivec3(brace_skip_params.blocks.xyz) - 1;
 
 // The block of a point. Blocks know their surroundings half a voxel beyond their faces, so rounding does no harm.
 ivec3 brace_skip_block(vec3 voxel) {
-  return clamp(ivec3(voxel * brace_skip_params.edge.y), ivec3(0), ivec3(brace_skip_params.blocks.xyz) - 1);
+  return clamp(ivec3(voxel * brace_skip_edge.y), ivec3(0), brace_skip_last);
 }
 
 #if defined(BRACE_VOLUME_LEVELS)
@@ -40,7 +43,7 @@ int brace_skip_leap(BraceRay ray, vec3 voxel, vec3 low, vec3 high, float step) {
 
 // The same from the distance in blocks to the nearest occupied block: all that are nearer are empty.
 int brace_skip_leap_distance(BraceRay ray, vec3 voxel, ivec3 block, int distance, float step) {
-  const float edge = brace_skip_params.edge.x;
+  const float edge = brace_skip_edge.x;
   return brace_skip_leap(ray, voxel, vec3(block + 1 - distance) * edge, vec3(block + distance) * edge, step);
 }
 

@@ -6,11 +6,9 @@
 
 #include "brace/frame.glsl"
 
-#define BRACE_TRANSFER_ENTRIES_MAX 4096
-
-layout(std140, set = 0, binding = BRACE_SLOT_TRANSFER) uniform BraceTransferBlock {
-  vec4 brace_transfer_entries[BRACE_TRANSFER_ENTRIES_MAX];  // r, g, b not premultiplied; optical depth
-};
+// Per entry: r, g, b not premultiplied; optical depth. A texel buffer: a software device reads an entry at once, a
+// uniform it would read component by component and lane by lane; a GPU's constant cache serves one address at a time.
+layout(set = 0, binding = BRACE_SLOT_TRANSFER) uniform samplerBuffer brace_transfer_entries;
 
 // The table coordinate of a value, not clamped yet. Up to brace_eye.transfer.w everything is fully transparent.
 float brace_transfer_coordinate(float value) { return value * brace_eye.transfer.x + brace_eye.transfer.y; }
@@ -22,20 +20,18 @@ int brace_transfer_entry(float coordinate, out float place) {
   return entry;
 }
 
-// Optical depth of one full step at a table coordinate; transmittance is exp2(-depth).
-float brace_optical_depth(float coordinate) {
+// What the table has at a coordinate: colour, not premultiplied, and optical depth of one full step.
+vec4 brace_transfer(float coordinate) {
   float place;
   const int entry = brace_transfer_entry(coordinate, place);
-  const float low = brace_transfer_entries[entry].w;
-  return low + place * (brace_transfer_entries[entry + 1].w - low);
+  const vec4 low = texelFetch(brace_transfer_entries, entry);
+  return low + place * (texelFetch(brace_transfer_entries, entry + 1) - low);
 }
 
+// Optical depth of one full step at a table coordinate; transmittance is exp2(-depth).
+float brace_optical_depth(float coordinate) { return brace_transfer(coordinate).w; }
+
 // Colour at a table coordinate, not premultiplied.
-vec3 brace_transfer_colour(float coordinate) {
-  float place;
-  const int entry = brace_transfer_entry(coordinate, place);
-  const vec3 low = brace_transfer_entries[entry].rgb;
-  return low + place * (brace_transfer_entries[entry + 1].rgb - low);
-}
+vec3 brace_transfer_colour(float coordinate) { return brace_transfer(coordinate).rgb; }
 
 #endif

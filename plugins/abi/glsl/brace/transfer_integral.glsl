@@ -32,8 +32,8 @@ BraceTransferEnd brace_transfer_end(float coordinate) {
   end.coordinate = float(entry) + place;
   end.sum = texelFetch(brace_transfer_integrals, 2 * entry);
   end.rest = texelFetch(brace_transfer_integrals, 2 * entry + 1);
-  const vec4 low = brace_transfer_entries[entry];
-  const vec4 high = brace_transfer_entries[entry + 1];
+  const vec4 low = texelFetch(brace_transfer_entries, entry);
+  const vec4 high = texelFetch(brace_transfer_entries, entry + 1);
   const float w = min(low.w, BRACE_INTEGRAL_DEPTH_MAX);
   const float dw = min(high.w, BRACE_INTEGRAL_DEPTH_MAX) - w;
   const vec3 dc = high.rgb - low.rgb;
