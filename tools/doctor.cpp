@@ -2,6 +2,7 @@
 
 #include <fmt/core.h>
 #include <nlohmann/json.hpp>
+#include <unistd.h>
 
 #include "base/error.hpp"
 #include "runtime/gpu/device.hpp"
@@ -99,8 +100,16 @@ std::vector<Check> check_data_paths(gpu::Measurements& measurements) {
   return checks;
 }
 
-std::string or_off(const std::filesystem::path& folder) {
-  return folder.empty() ? "off: neither XDG_CACHE_HOME nor HOME is set" : folder.string();
+/// A folder that cannot be written is no fault: what it would keep is made again.
+Check check_cache(const std::string& name, const std::filesystem::path& folder) {
+  if (folder.empty()) return {name, true, "off: neither XDG_CACHE_HOME nor HOME is set"};
+  std::filesystem::path there = folder;
+  std::error_code error;
+  while (!std::filesystem::exists(there, error) && there.has_relative_path())
+    there = there.parent_path();
+  const bool writable = std::filesystem::is_directory(there, error) && ::access(there.c_str(), W_OK) == 0;
+  return {name, writable,
+          writable ? folder.string() : folder.string() + " cannot be written: nothing is kept"};
 }
 
 }  // namespace
@@ -115,15 +124,16 @@ int doctor_command(const DoctorCommand& command) {
   for (Check& check : check_data_paths(measurements))
     checks.push_back(std::move(check));
   checks.push_back(check_casts(command.gpu, measurements));
-  checks.push_back({"kernel cache", true, or_off(gpu::default_cache_folder())});
-  checks.push_back({"measurements", true, or_off(gpu::default_measurement_folder())});
+  checks.push_back(check_cache("kernel cache", gpu::default_cache_folder()));
+  checks.push_back(check_cache("measurements", gpu::default_measurement_folder()));
   checks.push_back({"host threads", true, std::to_string(std::thread::hardware_concurrency())});
 
   bool ok = true;
   nlohmann::ordered_json json = {{"version", BRACE_VERSION}, {"checks", nlohmann::ordered_json::array()}};
   for (const Check& check : checks) {
     // A device that is not usable is no fault while another one is.
-    const bool listed_only = check.name.rfind("Vulkan device", 0) == 0;
+    const bool listed_only = check.name.rfind("Vulkan device", 0) == 0 || check.name == "kernel cache" ||
+                             check.name == "measurements";
     ok = ok && (check.ok || listed_only);
     json["checks"].push_back({{"name", check.name}, {"ok", check.ok}, {"found", check.found}});
     if (!command.json)

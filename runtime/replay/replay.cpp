@@ -54,6 +54,11 @@ std::string trace_name(const Session& session, const HeadTrace& head_trace) {
   return session.trace.neck ? head_trace.description : head_trace.trace.name();
 }
 
+std::string end_of(const Series& series) {
+  if (!series.failure.empty()) return series.failure;
+  return series.loop.trace_ended ? "the trace" : "the number of vsyncs asked for";
+}
+
 std::vector<Fact> run_facts(const Session& session, const HeadTrace& head_trace, const Headset& headset,
                             const Series& first) {
   std::vector<Fact> facts = {
@@ -66,7 +71,7 @@ std::vector<Fact> run_facts(const Session& session, const HeadTrace& head_trace,
                                      ? "nothing"
                                      : fmt::format("{} values", headset.profile.assumed.size())},
       {"duplicate predictions", std::to_string(first.loop.duplicate_predictions)},
-      {"run ended by", first.loop.trace_ended ? "the trace" : "the number of vsyncs asked for"}};
+      {"run ended by", end_of(first)}};
   facts.insert(facts.end(), first.facts.begin(), first.facts.end());
   return facts;
 }

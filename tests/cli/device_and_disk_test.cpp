@@ -21,9 +21,12 @@ using testing::HasSubstr;
 
 const RunOptions no_vulkan = {{{"VK_ICD_FILENAMES", "/dev/null"}, {"VK_DRIVER_FILES", "/dev/null"}}};
 
-TEST(CliNoVulkan, DoctorSaysWhatToInstall) {
-  const Outcome outcome = Workplace().brace({"doctor"}, no_vulkan);
+TEST(CliNoVulkan, DoctorSaysWhatToInstallAndWhatCannotBeKept) {
+  RunOptions options = no_vulkan;
+  options.environment["XDG_CACHE_HOME"] = "/proc/nowhere";
+  const Outcome outcome = Workplace().brace({"doctor"}, options);
   EXPECT_EQ(outcome.exit_code, 3);
+  EXPECT_THAT(outcome.out, HasSubstr("/proc/nowhere/brace/spirv cannot be written"));
   EXPECT_THAT(outcome.out,
               AllOf(HasSubstr("FAIL"), HasSubstr("apt-get install"), HasSubstr("mesa-vulkan-drivers")));
 }
