@@ -81,6 +81,8 @@ void print_headlines(const nlohmann::ordered_json& summary, const std::filesyste
   line("", "translation " + percentiles(summary["mtp_ms"]["translation"]));
   line("eye frames", fmt::format("{} fps, 1 % low {} fps", number(summary["fps_avg"], "{:.1f}"),
                                  number(summary["fps_1pct_low"], "{:.1f}")));
+  if (summary["frames_shown"] == 0)
+    line("", "none was done by the end of the run: nothing was shown, and no vsync counts as missed");
   const auto& dssim = summary["dssim"];
   line("DSSIM", fmt::format("mean {}  p95 {}  max {}", number(dssim["mean"], "{:.4f}"),
                             number(dssim["p95"], "{:.4f}"), number(dssim["max"], "{:.4f}")));

@@ -8,6 +8,7 @@
 #endif
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <limits>
 
@@ -114,10 +115,10 @@ class Beam {
     if (!any(active)) return;
     const Float entry[3] = {rays.entry.x, rays.entry.y, rays.entry.z};
     const Float direction[3] = {rays.direction.x, rays.direction.y, rays.direction.z};
-    const float length = largest(rays.extent);
+    const float length = largest(rays.extent) + scene.step_units;
     whole_ = static_cast<std::int32_t>(std::min(least(segments), steps_max));
     const float margin = margin_voxels(scene);
-    width_ = 0.0f;
+    width_ = last_width_ = 0.0f;
     for (int axis = 0; axis < 3; ++axis) {
       const int low = axis, high = 4 + axis;
       entry_[low] = least(entry[axis]) - margin;
@@ -125,7 +126,10 @@ class Beam {
       direction_[low] = least(direction[axis]);
       direction_[high] = largest(direction[axis]);
       const float spread = (direction_[high] - direction_[low]) * length;
-      width_ = std::max(width_, entry_[high] - entry_[low] + spread);
+      const float width = entry_[high] - entry_[low] + spread;
+      width_ = std::max(width_, width);
+      const float speed = std::max(std::abs(direction_[low]), std::abs(direction_[high]));
+      last_width_ = std::max(last_width_, width + 0.5f * scene.step_units * speed);
       if (scene.skip_map == BRACE_SKIP_MAP_NONE) continue;
       moves_out(low, direction_[low] < -1e-12f);
       moves_out(high, direction_[high] > 1e-12f);
@@ -137,8 +141,8 @@ class Beam {
     constexpr float blocks_max = 4.0f;  // measured: farther apart it no longer pays
     return scene.skip_map == BRACE_SKIP_MAP_NONE || width_ < blocks_max * scene.skip.edge[0];
   }
-  /// The longest edge of any box_at().
-  float width_voxels() const { return width_; }
+  /// No edge of box_at(step) is longer.
+  float width_voxels(std::int32_t step) const { return step < whole_ ? width_ : last_width_; }
   /// Steps that no ray is shorter than.
   std::int32_t whole_steps() const { return whole_; }
 
@@ -201,6 +205,7 @@ class Beam {
   alignas(32) float entry_[8] = {}, direction_[8] = {};
   float inverse_[8] = {}, stays_[8] = {};
   float width_ = std::numeric_limits<float>::infinity();
+  float last_width_ = std::numeric_limits<float>::infinity();  // from the step on where a ray may end
   std::int32_t whole_ = 0;
 };
 

@@ -129,7 +129,7 @@ class Traversal {
   HWY_INLINE Cell<type> cell_of(const Scene& scene, const Beam& beam, std::int32_t step,
                                 const Point& voxel) const {
     if constexpr (has_near_cells<type>) {
-      if (beam.width_voxels() < near_voxels)
+      if (beam.width_voxels(step) < near_voxels)
         return near_cell<type>(*scene.volume, voxel, beam.box_at(scene, step));
     }
     return Cell<type>::fetch(*scene.volume, voxel, active_);

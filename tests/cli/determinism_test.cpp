@@ -1,4 +1,5 @@
 // Equal sessions give equal bytes, whatever the folder, the number of threads, and who pays attention.
+#include <fmt/format.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -138,6 +139,19 @@ TEST(CliNoDevice, ScriptedCostsWithoutPicturesNeedNoVulkan) {
   const auto summary = nlohmann::json::parse(place.read("a/summary.json"));
   EXPECT_EQ(summary["vsyncs"], 10);
   EXPECT_TRUE(summary["deterministic"].get<bool>());
+}
+
+TEST(CliNoDevice, ARunWithoutAnyEyeFrameInTimeSaysSo) {
+  Workplace place;
+  for (const auto& [cast_ms, says] : {std::pair{14, false}, std::pair{1400, true}}) {
+    place.write(
+        "s.toml",
+        quick_session() + fmt::format("[[clock.script]]\nfrom_s = 0\ncast_ms = {}\nwarp_ms = 1\n", cast_ms));
+    const Outcome outcome =
+        place.brace({"run", "s.toml", "--out", "a", "--set", "clock.cost=scripted"}, no_vulkan);
+    EXPECT_EQ(outcome.exit_code, 0) << outcome.err;
+    EXPECT_EQ(outcome.out.find("nothing was shown") != std::string::npos, says) << outcome.out;
+  }
 }
 
 TEST(CliNoDevice, RecordedCostsWithoutPicturesNeedNoVulkan) {

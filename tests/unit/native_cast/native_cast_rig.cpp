@@ -106,12 +106,13 @@ TestVolume random_volume(std::array<std::uint32_t, 3> dims, brace_voxel_type typ
   return volume;
 }
 
-TestTransfer::TestTransfer(Range range)
-    : table{sizeof table, 256, range.low, range.high, nullptr},
+TestTransfer::TestTransfer(Range range, double step)
+    : step_units(step),
+      table{sizeof table, 256, range.low, range.high, nullptr},
       visible_above(range.low + 0.2 * (range.high - range.low)) {
   for (int i = 0; i < 256; ++i) {
     const double u = i / 255.0;
-    const double kappa = std::max(0.0, u - 0.2) * 2.0;
+    const double kappa = std::max(0.0, u - 0.2) / step_units;
     for (const double value : {u, 1.0 - u, 0.5, kappa})
       entries.push_back(value);
     for (const double value : {u, 1.0 - u, 0.5, kappa * step_units * std::numbers::log2e})
@@ -284,9 +285,12 @@ Caster::Caster(const char* file, const char* name, const TestVolume& volume, con
   StageRegistry registry;
   add_plugins(registry, {.given = {file}, .ambient = {}, .installed = {}});
   PipelineStage stage{registry.find("cast", name, "test"), {}};
-  for (const StageParameter& parameter : stage.stage.parameters)
-    stage.values.push_back(parameter.name == "instructions" && instructions >= 0 ? instructions
-                                                                                 : parameter.default_value);
+  for (const StageParameter& parameter : stage.stage.parameters) {
+    double value = parameter.default_value;
+    if (parameter.name == "instructions" && instructions >= 0) value = instructions;
+    if (parameter.name == "step_voxels") value = transfer.step_units;
+    stage.values.push_back(value);
+  }
   stage_ = NativeStage(stage);
   volume_.struct_size = sizeof volume_;
   std::copy(volume.dims.begin(), volume.dims.end(), volume_.dims);
@@ -299,7 +303,7 @@ Caster::Caster(const char* file, const char* name, const TestVolume& volume, con
   activation_.struct_size = sizeof activation_;
   activation_.volume = &volume_;
   activation_.transfer = &transfer.table;
-  activation_.step_units = step_units;
+  activation_.step_units = transfer.step_units;
   activation_.shading = shading;
   activation_.shading_samples = 18;
   activation_.shading_step_units = 0.8;

@@ -15,7 +15,6 @@
 namespace brace {
 
 using Random = std::mt19937;
-constexpr double step_units = 0.5;
 constexpr int block_edge = 4;
 
 struct TestVolume {
@@ -38,8 +37,9 @@ TestVolume random_volume(std::array<std::uint32_t, 3> dims, brace_voxel_type typ
 
 /// Transparent up to a fifth of the range, then a ramp.
 struct TestTransfer {
-  explicit TestTransfer(Range range);
+  explicit TestTransfer(Range range, double step = 0.5);
 
+  double step_units;  // of the casters, too
   std::vector<double> entries;
   std::vector<float> baked;  // as TransferOnDevice makes it
   brace_transfer_table table;

@@ -102,6 +102,30 @@ TEST(NativeCast, SkippingSideBySideChangesNoBit) {
   EXPECT_GT(skipped, 100'000u);
 }
 
+// Where rays end their last samples stand nearer by up to half a step each: the points of a packet lie
+// farther apart along the rays than across them.
+TEST(NativeCast, LongStepsAndRaysAtTheEdgeOfNearAgreeWithTheReference) {
+  Random random(23);
+  constexpr std::array<std::array<std::uint32_t, 3>, 4> sizes{
+      {{9, 9, 9}, {5, 13, 2}, {40, 3, 2}, {33, 40, 37}}};
+  for (std::size_t round = 0; round < 24; ++round) {
+    const double step = std::array{0.5, 2.0, 5.0, 12.0, 64.0}[round % 5];
+    const auto type = round % 3 == 0 ? static_cast<brace_voxel_type>(round % 4) : BRACE_VOXEL_UINT8;
+    const TestTransfer transfer(range_of(type), step);
+    const TestVolume volume = random_volume(sizes[round % sizes.size()], type, random, 0.3);
+    const double spacing = std::array{0.1, 0.8, 1.0, 1.2, 1.33}[random() % 5];
+    const TestRays rays = camera_rays(24, 16, volume, 60.0, spacing, random);
+    Caster reference(REFERENCE_CAST, "reference", volume, transfer);
+    const Picture oracle = reference.cast(rays);
+    for (std::size_t set = 1; set < instruction_names().size(); ++set) {
+      SCOPED_TRACE(
+          fmt::format("{} {} step {}, {} voxels apart", round, instruction_names()[set], step, spacing));
+      Caster native(NATIVE_CAST, "native", volume, transfer, static_cast<int>(set));
+      expect_near(native.cast(rays), oracle);
+    }
+  }
+}
+
 TEST(NativeCast, OneLookIntoTheMapServesAPacket) {
   Random random(19);
   const TestTransfer transfer({0, 255});
