@@ -55,6 +55,7 @@ std::vector<Check> check_vulkan(const std::string& gpu) {
                                   limits.allocation_bytes_max >> 20, limits.storage_buffer_bytes_max >> 20,
                                   limits.texel_buffer_texels_max >> 20)});
   } catch (const Error& e) {
+    if (e.exit_code() == ExitCode::bad_input) throw;
     checks.push_back({"Vulkan", false, e.what()});
   }
   return checks;
@@ -103,11 +104,9 @@ std::vector<Check> check_data_paths(gpu::Measurements& measurements) {
 /// A folder that cannot be written is no fault: what it would keep is made again.
 Check check_cache(const std::string& name, const std::filesystem::path& folder) {
   if (folder.empty()) return {name, true, "off: neither XDG_CACHE_HOME nor HOME is set"};
-  std::filesystem::path there = folder;
   std::error_code error;
-  while (!std::filesystem::exists(there, error) && there.has_relative_path())
-    there = there.parent_path();
-  const bool writable = std::filesystem::is_directory(there, error) && ::access(there.c_str(), W_OK) == 0;
+  std::filesystem::create_directories(folder, error);
+  const bool writable = !error && ::access(folder.c_str(), W_OK) == 0;
   return {name, writable,
           writable ? folder.string() : folder.string() + " cannot be written: nothing is kept"};
 }

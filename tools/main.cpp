@@ -6,6 +6,7 @@
 #include <fmt/core.h>
 
 #include "base/error.hpp"
+#include "base/suggest.hpp"
 #include "runtime/replay/replay.hpp"
 #include "tools/command.hpp"
 #include "tools/interrupt.hpp"
@@ -310,6 +311,17 @@ void add_check_stage(CLI::App& app, CheckStageCommand& command, Action& action) 
   check->callback([&] { action = [&] { return check_stage_command(command); }; });
 }
 
+/// CLI11 says only that a command is missing.
+void check_command(const CLI::App& app, int argc, char** argv) {
+  if (argc < 2 || argv[1][0] == '-') return;
+  std::vector<std::string> names;
+  for (const CLI::App* command : app.get_subcommands({}))
+    names.push_back(command->get_name());
+  if (std::find(names.begin(), names.end(), argv[1]) != names.end()) return;
+  throw input_error("there is no command '{}'{}; accepted: {}", argv[1], did_you_mean(argv[1], names),
+                    join(names));
+}
+
 int run_action(const Action& action) {
   try {
     return action();
@@ -336,7 +348,7 @@ int main(int argc, char** argv) {
   app.require_subcommand(1);
   app.footer(
       "Example:\n  brace run examples/demo.toml --out runs/demo\n\n"
-      "Exit codes: 0 done, 1 a check failed, 2 bad input or usage, 3 device or plug-in failed.");
+      "Exit codes: 0 done, 1 a check failed, 2 bad input or usage, 3 device, disk or plug-in failed.");
 
   RunCommand run;
   PlanCommand plan;
@@ -364,10 +376,13 @@ int main(int argc, char** argv) {
   add_new_stage(app, new_stage, action);
   add_check_stage(app, check_stage, action);
 
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::ParseError& e) {
-    return app.exit(e) == 0 ? 0 : static_cast<int>(ExitCode::bad_input);
-  }
-  return run_action(action);
+  return run_action([&] {
+    check_command(app, argc, argv);
+    try {
+      app.parse(argc, argv);
+    } catch (const CLI::ParseError& e) {
+      return app.exit(e) == 0 ? 0 : static_cast<int>(ExitCode::bad_input);
+    }
+    return action();
+  });
 }

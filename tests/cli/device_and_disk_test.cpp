@@ -47,6 +47,7 @@ TEST(CliNoVulkan, AnUnknownGpuListsThoseThatThereAre) {
   EXPECT_THAT(outcome.exit_code, testing::AnyOf(2, 3));
   EXPECT_THAT(outcome.err, HasSubstr("no such device"));
   EXPECT_THAT(place.names(), ElementsAre("s.toml"));
+  EXPECT_EQ(place.brace({"doctor", "--gpu", "no such device"}).exit_code, outcome.exit_code);
 }
 
 TEST(CliDevice, DoctorFindsADeviceHere) {

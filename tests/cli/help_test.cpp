@@ -32,6 +32,13 @@ TEST(CliHelp, TheProgramsOwnHelpListsTheExitCodes) {
   EXPECT_THAT(Workplace().brace({"--help"}).out, HasSubstr("Exit codes: 0 done"));
 }
 
+TEST(CliHelp, AnUnknownCommandIsNamedWithThoseThatThereAre) {
+  const Outcome outcome = Workplace().brace({"sweeep", "s.toml"});
+  EXPECT_EQ(outcome.exit_code, 2);
+  EXPECT_THAT(outcome.err, testing::AllOf(HasSubstr("'sweeep'"), HasSubstr("did you mean 'sweep'"),
+                                          HasSubstr("accepted: run, ")));
+}
+
 TEST(CliHelp, VersionIsANumber) {
   const Outcome outcome = Workplace().brace({"--version"});
   EXPECT_EQ(outcome.exit_code, 0);
