@@ -95,8 +95,11 @@ std::string content_key(const KernelDescription& kernel, const IncludeClosure& i
 
 GlslSource read_glsl(const std::filesystem::path& path, std::string name) {
   std::ifstream file(path, std::ios::binary);
-  std::string text{std::istreambuf_iterator<char>(file), std::istreambuf_iterator<char>()};
-  if (!file) throw input_error("{}: cannot read this GLSL file", path.string());
+  std::error_code error;
+  const std::uintmax_t size_bytes = std::filesystem::file_size(path, error);
+  std::string text(error ? 0 : size_bytes, '\0');
+  if (error || !file.read(text.data(), static_cast<std::streamsize>(text.size())))
+    throw input_error("{}: cannot read this GLSL file", path.string());
   return {name.empty() ? path.filename().string() : std::move(name), std::move(text)};
 }
 
