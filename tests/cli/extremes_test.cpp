@@ -187,7 +187,7 @@ TEST_P(ExtremeScene, IsSoundWithItsShareOfAllPairsOfStages) {
   const auto scene =
       static_cast<std::size_t>(std::find(names.begin(), names.end(), GetParam()) - names.begin());
   std::vector<Combination> rows = test::covering_pairs(factors, refused);
-  EXPECT_LE(rows.size(), 90u) << "so that all scenes take a minute";
+  EXPECT_LE(rows.size(), 90u) << "so that the set stays short";
   std::erase_if(rows, [&](const Combination& row) { return row.back() != scene; });
   ASSERT_GE(rows.size(), casts().size());
   if (const auto all = scenes_met_by_all(); std::find(all.begin(), all.end(), GetParam()) != all.end())
